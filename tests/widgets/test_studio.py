@@ -5,6 +5,7 @@ import pytest
 
 from mechstyle.errors import BadInput
 from mechstyle.records.load_cases import Load, LoadCase, Support
+from mechstyle.records.regions import regions
 from mechstyle.runs.recipes import draft
 from mechstyle.runs.run import Run
 from mechstyle.runs.stylizers import FinishedStyle
@@ -169,6 +170,32 @@ def test_a_preview_is_shown_on_the_part_with_what_stays_plain_until_it_cannot_be
     assert viewer.badge.layout.display == "none"
     studio._not_drawn("ask for 500 vertices")
     assert "ask for 500 vertices" in viewer.badge._words.value
+
+
+def test_what_is_hatched_is_what_is_painted_now_and_all_else_that_the_last_preview_knew():
+    """A click took the hatching from the underside until the next preview, and the preview of before it brought back what it had taken."""
+    studio = Studio("gallery:wall_hook")
+    surface = studio.part_picker.mesh
+    top, count = surface.vertices[:, 2].argmax(), len(surface.vertices)
+    ball = f"sphere {' '.join(map(str, surface.vertices[top]))} 4"
+    painted = np.linalg.norm(surface.vertices - surface.vertices[top], axis=1) < 4.0
+    base = surface.vertices[:, 2] < 1.0
+    assert painted.any()
+    assert base.any()
+
+    def preview(spared, *protect):
+        style = FinishedStyle(np.zeros(count, np.float32), np.full((count, 3), 0.2), spared, ())
+        return Preview(Shape(surface, np.full(count, 8.0, np.float32)), style, 0.4, regions(list(protect)))
+
+    studio._arrived(preview(base))
+    studio.regions_picker.protect = [ball]
+    np.testing.assert_array_equal(studio._viewer.protected, base | painted)
+    studio._arrived(preview(base | painted, ball))
+    np.testing.assert_array_equal(studio._viewer.protected, base | painted)
+    studio.regions_picker.protect = []
+    np.testing.assert_array_equal(studio._viewer.protected, base)
+    studio._arrived(preview(base | painted, ball))  # asked for before that
+    np.testing.assert_array_equal(studio._viewer.protected, base)
 
 
 def test_walls_too_thin_are_said_with_the_part_as_soon_as_a_preview_has_measured_them():

@@ -11,7 +11,9 @@ from pathlib import Path
 from typing import Any
 
 import ipywidgets
+import numpy as np
 import traitlets
+from numpy.typing import NDArray
 
 from mechstyle.errors import BadInput, MechStyleError
 from mechstyle.gallery import PREFIX
@@ -85,6 +87,8 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
     _timeline: Timeline | None = None
     _undo: Undo | None = None
     _pictured = False
+    _spared: tuple[SurfaceMesh, NDArray[np.bool_]] | None = None
+    """What the last preview left as it is, but for what was painted or written: of its surface, shape [vertex_count]."""
 
     @sharing()
     def __init__(
@@ -514,18 +518,20 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         viewer = self._viewer
         if not isinstance(viewer, PartViewer):
             return
+        surface, style = preview.shape.surface, preview.style
         self.part_picker.remark(preview.shape.too_thin(self.drop_options.minimum_wall))
-        if viewer.at_rest is not preview.shape.surface:
-            finer = self._made(PartViewer, preview.shape.surface)
+        self._spared = None if style is None else (surface, style.spared & ~covered(preview.protect, surface))
+        if viewer.at_rest is not surface:
+            finer = self._made(PartViewer, surface)
             finer.look_from(viewer)
             self._show(finer)
             viewer = finer
-        if preview.style is None:
+        if style is None:
             viewer.take_off("Only running it tells what this comes to")
             return
         drawn = "at once" if preview.seconds < 0.05 else f"in {preview.seconds:.1f} s"
         viewer.put_on(preview.surface, f"Changes as you choose · drawn {drawn}")
-        viewer.protected = preview.style.spared
+        self._hatch()
         if not self._pictured:  # the first alone: drawing another for each would take time from the next
             self._pictured = True
             self.renew_still()
@@ -541,12 +547,14 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
             self.renew_still()
 
     def _hatch(self, _change: object = None) -> None:
-        """Show on the part what is painted or written as a protected region."""
+        """Show on the part what is painted or written as a protected region now, and what else the last preview left as it is."""
         viewer, picker = self._viewer, self.regions_picker
         if viewer is None:
             return
+        surface, spared = self._spared or (None, None)
         try:
-            viewer.protected = covered(picker.protect, viewer.at_rest)
+            painted = covered(picker.protect, viewer.at_rest)
+            viewer.protected = painted if spared is None or surface is not viewer.at_rest else painted | spared
         except BadInput as error:
             viewer.protected = None
             picker.complain(str(error))

@@ -10,6 +10,7 @@ from functools import partial
 
 from mechstyle.records import Recipe
 from mechstyle.records.mesh import SurfaceMesh
+from mechstyle.records.regions import Region
 from mechstyle.runs.stylizers import FinishedStyle, finished_style
 from mechstyle.simulation.part import Shape
 from mechstyle_widgets.jupyter.prepare import shape_aside
@@ -30,11 +31,13 @@ class Preview:
         shape: The part it was drawn on.
         style: The finished style; None where only running it tells.
         seconds: How long the drawing took [s].
+        protect: Regions that were protected when it was asked for.
     """
 
     shape: Shape
     style: FinishedStyle | None
     seconds: float
+    protect: tuple[Region, ...] = ()
 
     @property
     def surface(self) -> SurfaceMesh:
@@ -117,7 +120,8 @@ class Previewer:
     def _drawn(self, wish: _Wish) -> Preview:
         shape = self._prepared(wish)
         began = time.monotonic()
-        return Preview(shape, finished_style(shape, wish.recipe), time.monotonic() - began)
+        style = finished_style(shape, wish.recipe)
+        return Preview(shape, style, time.monotonic() - began, wish.recipe.restraint.protect)
 
     def _prepared(self, wish: _Wish) -> Shape:
         key = (wish.mesh.digest, wish.vertices)
