@@ -47,7 +47,7 @@ def test_a_click_paints_and_the_same_click_takes_it_away(studio):
     studio.python("studio.regions_picker.radius, studio.regions_picker.paint = 12.0, True")
     before = studio.drawn()  # the page has heard of it
     studio.canvas().click()
-    studio.until(f"(len(studio.regions_picker.protect), studio._viewer.protected.sum() > {spared})", "(1, True)")
+    studio.until(f"(len(studio.regions_picker.protect), bool(studio._viewer.protected.sum() > {spared}))", "(1, True)")
     studio.changed(studio.canvas(), before, 0.005)
     studio.canvas().click()
     studio.until("(len(studio.regions_picker.protect), int(studio._viewer.protected.sum()))", (0, spared))

@@ -198,6 +198,16 @@ def test_what_is_hatched_is_what_is_painted_now_and_all_else_that_the_last_previ
     np.testing.assert_array_equal(studio._viewer.protected, base)
 
 
+def test_a_preview_that_cannot_be_shown_is_said():
+    """The event loop kept the error to its log."""
+    studio = Studio("gallery:wall_hook")
+    surface = studio.part_picker.mesh
+    style = FinishedStyle(np.zeros(3, np.float32), np.zeros((3, 3)), np.zeros(len(surface.vertices), bool), ())
+    studio.previewer._arrived(Preview(Shape(surface, np.full(len(surface.vertices), 8.0, np.float32)), style, 0.1))  # of another part
+    assert "This did not work, by an unexpected" in studio.state.message
+    assert studio.state.alarming
+
+
 def test_walls_too_thin_are_said_with_the_part_as_soon_as_a_preview_has_measured_them():
     studio = Studio("gallery:wall_hook")
     surface = studio.part_picker.mesh

@@ -123,7 +123,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self.frame, self._size = Frame(), SIZE
         traitlets.link((self.frame, "calm"), (self.state, "calm"))
         self.take_away = TakeAway(self.state, self.frame)
-        self.previewer = Previewer(self._arrived, self._not_drawn)
+        self.previewer = Previewer(self._heard(self._arrived), self._heard(self._not_drawn))
         self._middle, self._asked = stacked([], "mechstyle-view"), stacked([], "mechstyle-asked")
         self.theme = theme
         self._timeline = Timeline(self.state, theme=self.shown_theme, width=SIZE[0])

@@ -59,12 +59,13 @@ class _Overtaken(Exception):
 
 
 class Previewer:
-    """Draws what is asked for last."""
+    """Draws what is asked for last, from whichever thread."""
 
     def __init__(self, arrived: Callable[[Preview], None], failed: Callable[[str], None]) -> None:
         """Call `arrived` with previews, `failed` with a sentence, both on the event loop; without one nothing is drawn."""
         self._arrived, self._failed = arrived, failed
         self._loop = running_loop()
+        self._turn = threading.RLock()  # of who changes the next three
         self._wish: _Wish | None = None
         self._timer: Timer | None = None
         self._busy = False
@@ -78,24 +79,28 @@ class Previewer:
             vertices: Of the run that is to come.
             recipe: Its recipe, as `draft` makes it.
         """
-        self.cancel()
-        if self._loop is not None:
+        if self._loop is None:
+            return False
+        with self._turn:
+            self.cancel()
             self._wish = _Wish(mesh, min(vertices, VERTICES), recipe)
             self._timer = Timer(self._loop, WAIT, self._begin)
-        return self._loop is not None
+        return True
 
     def cancel(self) -> None:
         """Want nothing any more: what is being drawn is not shown, and what prepares a part for it ends."""
-        self._wish = None
-        if self._timer is not None:
-            self._timer.cancel()
-            self._timer = None
+        with self._turn:
+            self._wish = None
+            if self._timer is not None:
+                self._timer.cancel()
+                self._timer = None
 
     def _begin(self) -> None:
-        self._timer = None
-        if self._wish is not None and not self._busy:
-            self._busy = True
-            threading.Thread(target=self._work, args=(self._wish,), name="mechstyle-preview", daemon=True).start()
+        with self._turn:
+            self._timer, wish = None, self._wish
+            if wish is not None and not self._busy:
+                self._busy = True
+                threading.Thread(target=self._work, args=(wish,), name="mechstyle-preview", daemon=True).start()
 
     def _work(self, wish: _Wish) -> None:
         """In the thread: draw, and bring the answer to the event loop."""
@@ -111,11 +116,14 @@ class Previewer:
             self._loop.call_soon_threadsafe(self._end, wish, answer)
 
     def _end(self, wish: _Wish, answer: Callable[[], None]) -> None:
-        self._busy = False
-        if self._wish is not None and self._wish.mesh is wish.mesh:  # of an earlier setting, perhaps: the newest follows
-            answer()
-        if self._wish is not wish and self._timer is None:
-            self._begin()
+        self._busy, newest = False, self._wish
+        try:
+            if newest is not None and newest.mesh is wish.mesh:  # of an earlier setting, perhaps: the newest follows
+                answer()
+        finally:
+            with self._turn:
+                if self._wish is not wish and self._timer is None:
+                    self._begin()
 
     def _drawn(self, wish: _Wish) -> Preview:
         shape = self._prepared(wish)
@@ -130,5 +138,6 @@ class Previewer:
         return self._shape[1]
 
     def _go_on(self, wish: _Wish) -> None:
-        if self._wish is None or self._wish.mesh is not wish.mesh:
+        newest = self._wish
+        if newest is None or newest.mesh is not wish.mesh:
             raise _Overtaken
