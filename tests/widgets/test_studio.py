@@ -10,6 +10,7 @@ from mechstyle.runs.recipes import draft
 from mechstyle.runs.run import Run
 from mechstyle.runs.stylizers import FinishedStyle
 from mechstyle.simulation.part import Shape
+from mechstyle_widgets.jupyter.cell_output import OncePerCell
 from mechstyle_widgets.state.preview import Preview
 from mechstyle_widgets.studio import Studio
 from mechstyle_widgets.viewer.run_viewer import RunViewer
@@ -196,6 +197,30 @@ def test_what_is_hatched_is_what_is_painted_now_and_all_else_that_the_last_previ
     np.testing.assert_array_equal(studio._viewer.protected, base)
     studio._arrived(preview(base | painted, ball))  # asked for before that
     np.testing.assert_array_equal(studio._viewer.protected, base)
+
+
+@pytest.mark.parametrize("how", ["drawn", "only running tells", "refused"])
+def test_the_plain_part_is_pictured_only_where_no_style_is_to_come(monkeypatch, how):
+    """Its picture took a second of what the style needs, to be taken away by that of the style."""
+    pictured = []
+    monkeypatch.setattr(OncePerCell, "renew_still", lambda studio: pictured.append(studio._viewer.original is not None))
+    studio = Studio("gallery:wall_hook")
+    surface = studio.part_picker.mesh
+    count = len(surface.vertices)
+    studio.renew_still()
+    assert pictured.pop() is False, "without an event loop nothing is to come"
+    studio.previewer._wish = "a style"
+    studio.renew_still()
+    assert pictured == []
+    style = FinishedStyle(np.zeros(count, np.float32), np.full((count, 3), 0.2), np.zeros(count, bool), ()) if how == "drawn" else None
+    for _ in range(2):
+        if how == "refused":
+            studio._not_drawn("ask for 500 vertices")
+        else:
+            studio._arrived(Preview(Shape(surface, np.full(count, 8.0, np.float32)), style, 0.4))
+    assert pictured == [how == "drawn"], "the first alone"
+    studio.renew_still()
+    assert len(pictured) == 2
 
 
 def test_a_preview_that_cannot_be_shown_is_said():

@@ -168,6 +168,11 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         """What draws the view under its badge."""
         return None if self._viewer is None else self._viewer.still(self._caption)
 
+    def renew_still(self) -> None:
+        """Let the notebook have a picture of what is shown now, unless a style is on its way that will take its place."""
+        if self._pictured or not self.previewer.awaited or not isinstance(self._viewer, PartViewer):
+            super().renew_still()
+
     @property
     def _caption(self) -> str:
         """What is on show and its badge, in one line."""
@@ -528,18 +533,23 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
             viewer = finer
         if style is None:
             viewer.take_off("Only running it tells what this comes to")
-            return
-        drawn = "at once" if preview.seconds < 0.05 else f"in {preview.seconds:.1f} s"
-        viewer.put_on(preview.surface, f"Changes as you choose · drawn {drawn}")
+        else:
+            drawn = "at once" if preview.seconds < 0.05 else f"in {preview.seconds:.1f} s"
+            viewer.put_on(preview.surface, f"Changes as you choose · drawn {drawn}")
         self._hatch()
-        if not self._pictured:  # the first alone: drawing another for each would take time from the next
-            self._pictured = True
-            self.renew_still()
+        self._picture_first()
 
     def _not_drawn(self, why: str) -> None:
         """A style cannot be drawn on this part."""
         if isinstance(self._viewer, PartViewer):
             self._viewer.take_off(why)
+            self._picture_first()
+
+    def _picture_first(self) -> None:
+        """Let the notebook have a picture of the first preview alone: drawing another for each would take time from the next."""
+        if not self._pictured:
+            self._pictured = True
+            self.renew_still()
 
     def _rested(self, _change: object) -> None:
         """What has come of a run is what its notebook is to show."""

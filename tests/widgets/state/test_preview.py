@@ -44,6 +44,7 @@ def prepared(monkeypatch):
 
     monkeypatch.setattr(module, "shape_aside", at_once)
     monkeypatch.setattr(module, "WAIT", 0.01)
+    monkeypatch.setattr(module, "_ready", {})
     return seen
 
 
@@ -190,6 +191,20 @@ def test_where_only_running_tells_the_part_is_shown_as_it_came(prepared, sphere)
         assert asker.shown[0].surface is sphere
 
     asyncio.run(main())
+
+
+def test_another_studio_of_the_same_part_finds_it_ready_and_only_the_last_few_are_kept(prepared, sphere, cube):
+    """A cell that is run again made its part ready once more, and drew the style on it from the start."""
+
+    async def main():
+        for mesh in (sphere, sphere, *(cube.moved(0.1 * count * cube.vertices) for count in range(module.READY)), sphere):
+            asker = Asker()
+            asker.previewer.ask(mesh, FEW, draft("brick"))
+            await asker.news()
+
+    asyncio.run(main())
+    assert [mesh is sphere for mesh, _ in prepared] == [True, *([False] * module.READY), True]
+    assert len(module._ready) == module.READY
 
 
 def test_without_an_event_loop_nothing_is_drawn(prepared, sphere):

@@ -21,6 +21,10 @@ WAIT = 0.15
 """After the last change of a setting [s]."""
 VERTICES = 6000
 """As many show a style and are drawn in half a second; a run of fewer is shown with its own."""
+READY = 4
+"""Parts that are kept ready."""
+_ready: dict[tuple[str, int], Shape] = {}
+"""The last ones, by what they are of and their vertices: a cell that is run again shows its style at once."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +73,6 @@ class Previewer:
         self._wish: _Wish | None = None
         self._timer: Timer | None = None
         self._busy = False
-        self._shape: tuple[tuple[str, int], Shape] | None = None
 
     def ask(self, mesh: SurfaceMesh, vertices: int, recipe: Recipe) -> bool:
         """Draw a style on a part, a moment after the last wish; whether it will be.
@@ -86,6 +89,11 @@ class Previewer:
             self._wish = _Wish(mesh, min(vertices, VERTICES), recipe)
             self._timer = Timer(self._loop, WAIT, self._begin)
         return True
+
+    @property
+    def awaited(self) -> bool:
+        """Whether a preview was asked for that is still wanted."""
+        return self._wish is not None
 
     def cancel(self) -> None:
         """Want nothing any more: what is being drawn is not shown, and what prepares a part for it ends."""
@@ -133,9 +141,11 @@ class Previewer:
 
     def _prepared(self, wish: _Wish) -> Shape:
         key = (wish.mesh.digest, wish.vertices)
-        if self._shape is None or self._shape[0] != key:
-            self._shape = key, shape_aside(wish.mesh, wish.vertices, lambda: self._go_on(wish))
-        return self._shape[1]
+        shape = _ready.pop(key, None) or shape_aside(wish.mesh, wish.vertices, lambda: self._go_on(wish))
+        _ready[key] = shape
+        for old in list(_ready)[:-READY]:
+            _ready.pop(old, None)
+        return shape
 
     def _go_on(self, wish: _Wish) -> None:
         newest = self._wish
