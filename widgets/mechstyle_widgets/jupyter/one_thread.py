@@ -19,7 +19,7 @@ from ipywidgets.widgets import widget as library
 from mechstyle_widgets.jupyter.throttle import running_loop
 
 LONGEST = 1.0
-"""A message is waited for until it was heard, so that a page says no more than can be heard, but behind a long cell no longer [s]."""
+"""As long a message is waited for, so that a page says no more than can be heard; it may have to wait behind a long cell [s]."""
 
 _of_cells: list[asyncio.AbstractEventLoop] = []
 """The event loop of the main thread, once something was drawn in a cell."""

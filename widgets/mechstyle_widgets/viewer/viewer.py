@@ -104,7 +104,6 @@ class Viewer(Tools, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]
         Raises:
             BadInput: If a layer does not fit the part, or the original has other faces.
         """
-        hear_on_one_thread()
         subject = Subject(mesh, tuple(layers))
         self._first, self._faces, self._size = mesh, mesh.faces, (width, height)
         self._clicks = ipywidgets.CallbackDispatcher()
@@ -145,6 +144,7 @@ class Viewer(Tools, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]
 
     def _wire(self) -> None:
         """Let the toolbar, the cut and the camera be heard."""
+        hear_on_one_thread()
         for name in ("layer", "beside", "markers", "stepped", "parallel", "tool"):
             traitlets.link((self, name), (self._toolbar, name))
         self.section.observe(lambda change: setattr(self._toolbar, "cut", change["new"]), "on")
