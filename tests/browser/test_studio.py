@@ -57,6 +57,7 @@ def test_a_click_paints_and_the_same_click_takes_it_away(studio):
 def test_it_appears_with_the_part_in_it_and_can_be_turned(studio):
     before = studio.drawn()
     studio.keep("studio-start", whole(studio))
+    assert "(0)" not in whole(studio).inner_text(), "of files to upload"
     studio.drag(studio.canvas(), (0.5, 0.5), (0.7, 0.5))
     studio.changed(studio.canvas(), before, 0.005)
 

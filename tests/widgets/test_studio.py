@@ -11,7 +11,7 @@ from mechstyle.runs.run import Run
 from mechstyle.runs.stylizers import FinishedStyle
 from mechstyle.simulation.part import Shape
 from mechstyle_widgets.jupyter.cell_output import OncePerCell
-from mechstyle_widgets.state.preview import Preview
+from mechstyle_widgets.state.preview import Preview, Previewer
 from mechstyle_widgets.studio import Studio
 from mechstyle_widgets.viewer.run_viewer import RunViewer
 from support.models import alive
@@ -231,6 +231,15 @@ def test_a_preview_that_cannot_be_shown_is_said():
     studio.previewer._arrived(Preview(Shape(surface, np.full(len(surface.vertices), 8.0, np.float32)), style, 0.1))  # of another part
     assert "This did not work, by an unexpected" in studio.state.message
     assert studio.state.alarming
+
+
+def test_a_part_whose_style_is_on_its_way_says_so(monkeypatch):
+    """It stood there plain for fifteen seconds without any sign."""
+    monkeypatch.setattr(Previewer, "ask", lambda *_: True)
+    studio = Studio("gallery:wall_hook")
+    assert "The style is being drawn on the part" in studio.viewer.badge._words.value
+    studio.part_picker._gallery.press("vase")
+    assert "The style is being drawn on the part" in studio.viewer.badge._words.value
 
 
 def test_walls_too_thin_are_said_with_the_part_as_soon_as_a_preview_has_measured_them():
