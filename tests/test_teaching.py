@@ -48,6 +48,13 @@ def test_runs_with_other_settings_have_folders_of_their_own_and_the_same_is_foun
         teaching.run(folder=tmp_path, no_such_setting=1)
 
 
+def test_runs_that_land_flat_fall_from_higher_and_in_one_way(tmp_path, monkeypatch):
+    monkeypatch.setattr(teaching.Run, "go", lambda run, *_: run)
+    recipe = teaching.flat(folder=tmp_path).recipe
+    assert (recipe.test.nearly_flat, recipe.test.height) == (False, 3000.0)
+    assert teaching.flat(folder=tmp_path, height="6 m").recipe.test.height == 6000.0
+
+
 def test_a_table_is_even_in_a_terminal_and_plain_in_a_notebook():
     made = teaching.Table(("run", "why"), [("a", "<b>x</b>"), ("long name", "y & z")])
     assert repr(made).splitlines() == ["run        why", "a          <b>x</b>", "long name  y & z"]
