@@ -1,4 +1,4 @@
-"""What columns, curtains and friezes are made of: flutes, pleats, twists, meanders and girih."""
+"""What columns, curtains and friezes are made of: flutes, pleats, twists, meanders, girih and knotwork."""
 
 from __future__ import annotations
 
@@ -8,16 +8,17 @@ from mechstyle.records.mesh import Floats
 from mechstyle.styling.drawing.canvas import Bond, Canvas
 from mechstyle.styling.drawing.colours import mix, ramp, rgb, smoothstep
 from mechstyle.styling.drawing.tilings import dome, folded
-from mechstyle.styling.style import Relief, Style
+from mechstyle.styling.style import Relief, style
 
 FLUTE, PLEAT, TWIST, KEY, STAR = 11.0, 12.0, 19.0, 3.6, 44.0
-BAND = 0.10  # width of a strap over the side of a cell
+STRAP = 0.10  # width of a strap over the side of a cell
 MEANDER = np.array([list(row) for row in (
     "######", "......", "#####.", "#...#.", "#.#.#.", "#.###.", "#.....", "######", "......",
 )]) == "#"  # fmt: skip
 """A period of the frieze from its upper border down, in squares of KEY: the line of the meander winds in and ends."""
 
 
+@style("upright hollow flutes with narrow fillets between", feature_mm=2.1 * FLUTE)
 def fluted(canvas: Canvas) -> Relief:
     """Hollow flutes side by side, upright, that meet in narrow fillets: an Ionic column."""
     unit = canvas.unit("flutes", 0.65 * FLUTE, edges=3.5)
@@ -29,6 +30,7 @@ def fluted(canvas: Canvas) -> Relief:
     return Relief(canvas.softened(0.90 - 1.85 * hollow + 0.06 * chisel), canvas.softened(marble))
 
 
+@style("cloth folded into upright knife pleats", feature_mm=1.8 * PLEAT)
 def pleats(canvas: Canvas) -> Relief:
     """Knife pleats: cloth folded upright, each fold lying on the next, with a sharp crease."""
     unit = canvas.unit("pleats", PLEAT, edges=4.5)
@@ -42,6 +44,7 @@ def pleats(canvas: Canvas) -> Relief:
     return Relief(canvas.softened(-0.95 + 1.95 * fold**1.5 + 0.06 * soft), canvas.softened(cloth))
 
 
+@style("round strands winding upwards around the part", feature_mm=TWIST)
 def spiral(canvas: Canvas) -> Relief:
     """Round strands that wind upwards, close together, with a groove between: a twisted column."""
     unit = canvas.unit("grooves of the twist", 0.28 * TWIST, edges=2.0)
@@ -52,6 +55,7 @@ def spiral(canvas: Canvas) -> Relief:
     return Relief(canvas.softened(-1.05 + 2.05 * strand**0.7 + 0.06 * fine), canvas.softened(canvas.painted(gilt)))
 
 
+@style("friezes of a black meander on fired clay", feature_mm=2.0 * KEY)
 def greek_key(canvas: Canvas) -> Relief:
     """Friezes of a meander between borders, one above the other."""
     unit = canvas.unit("lines of the meander", KEY, edges=1.9)
@@ -71,9 +75,10 @@ def greek_key(canvas: Canvas) -> Relief:
     return Relief(canvas.softened(-0.75 + 1.60 * line + 0.07 * glaze), canvas.softened(mix(ground, rgb("1d1614"), line)))
 
 
+@style("interlaced straps around eight-pointed stars", feature_mm=0.3 * STAR)
 def girih(canvas: Canvas) -> Relief:
     """Straps that cross over and under each other and leave eight-pointed stars and crosses."""
-    unit = canvas.unit("straps", BAND * STAR, edges=3.2)
+    unit = canvas.unit("straps", STRAP * STAR, edges=3.2)
     bond = canvas.bond(STAR * unit, STAR * unit, shift=0.0)
     over, under = strapped(bond)
     x, y = np.abs(bond.x), np.abs(bond.y)
@@ -81,8 +86,8 @@ def girih(canvas: Canvas) -> Relief:
     star = smoothstep(0.205, 0.180, np.minimum(square, turned))
     inside, either = (8.0**-0.5 - reach(square, turned) for reach in (np.maximum, np.minimum))
     point = smoothstep(0.0, 0.03, either) * smoothstep(0.02, -0.01, inside)
-    top, low = (smoothstep(0.5 * BAND + 0.010, 0.5 * BAND - 0.020, away) for away in (over, under))
-    dive = smoothstep(0.5 * BAND + 0.07, 0.5 * BAND + 0.02, over)
+    top, low = (smoothstep(0.5 * STRAP + 0.010, 0.5 * STRAP - 0.020, away) for away in (over, under))
+    dive = smoothstep(0.5 * STRAP + 0.07, 0.5 * STRAP + 0.02, over)
     strap = np.maximum(top, low)
     lift = np.maximum(np.maximum(1.90 * top, low * (1.75 - 0.90 * dive)), 0.95 * point) + 1.75 * star
     glaze = canvas.noise(18.0 * unit, 3, "glaze")
@@ -110,13 +115,44 @@ def strapped(bond: Bond) -> tuple[Floats, Floats]:
     return lines[np.where(swap, second, first), here], lines[np.where(swap, first, second), here]
 
 
-STYLES = {
-    style.name: style
-    for style in (
-        Style(name="fluted", description="upright hollow flutes with narrow fillets between", feature_mm=2.1 * FLUTE, program=fluted),
-        Style(name="pleats", description="cloth folded into upright knife pleats", feature_mm=1.8 * PLEAT, program=pleats),
-        Style(name="spiral", description="round strands winding upwards around the part", feature_mm=TWIST, program=spiral),
-        Style(name="greek_key", description="friezes of a black meander on fired clay", feature_mm=2.0 * KEY, program=greek_key),
-        Style(name="girih", description="interlaced straps around eight-pointed stars", feature_mm=0.3 * STAR, program=girih),
-    )
-}
+CELL, KNOT_BAND = 46.0, 0.32  # a cell holds eight crossings; width of a band over the distance of crossings along it
+
+
+@style("golden bands that pass over and under each other and turn back without an end", feature_mm=0.3 * CELL)
+def celtic_knot(canvas: Canvas) -> Relief:
+    """Slanting bands with a furrow along their middle, the lower one diving under the upper one where they cross."""
+    unit = canvas.unit("bands of the knot", 0.35 * KNOT_BAND * CELL, edges=2.2)
+    over, under, away = woven(canvas.bond(CELL * unit, CELL * unit, shift=0.0))
+    top, low = (smoothstep(0.5 * KNOT_BAND + 0.04, 0.5 * KNOT_BAND - 0.04, aside) for aside in (over, under))
+    dive = smoothstep(0.5 * KNOT_BAND + 0.20, 0.5 * KNOT_BAND + 0.05, over)
+    furrow = smoothstep(0.05, 0.0, np.where(top > 0.5, over, under))
+    band = np.maximum(top, low)
+    arch = top * (1.65 + 0.35 * smoothstep(0.5, 0.0, away))
+    lift = np.maximum(arch, low * (1.65 - 1.10 * dive)) - 0.35 * furrow * band
+    patina = canvas.noise(30.0 * unit, 3, "patina")
+    ground = ramp(["0f2a22", "1c4a3a", "2f6b54"], np.clip(0.5 + 0.5 * patina, 0.0, 1.0))
+    gold = canvas.painted(ramp(["7a5a1c", "b88d34", "e2c067", "f6e6b0"], np.clip(0.05 + 0.45 * lift + 0.15 * patina, 0.0, 1.0)))
+    return Relief(canvas.softened(-1.0 + lift + 0.05 * patina), canvas.softened(mix(ground, gold, band)))
+
+
+def woven(bond: Bond) -> tuple[Floats, Floats, Floats]:
+    """Two sets of slanting bands, eight crossings a cell; at two of these they are cut and joined to arcs, which closes them to knots.
+
+    Returns:
+        Distance from the middle of the upper band, from that of the lower one (infinite where bands turn), and along the upper band
+        from the middle of their crossing, over the distance of crossings, shape [n] each.
+    """
+    rise, fall = 2.0 * (bond.x + bond.y), 2.0 * (bond.x - bond.y)
+    a, b = rise - np.round(rise), fall - np.round(fall)
+    x, y = 0.5 * (np.round(rise) + np.round(fall)), 0.5 * (np.round(rise) - np.round(fall))  # of the crossing, in half cells
+    odd = np.mod(np.round(2.0 * x), 2.0) == 1.0
+    over, under = np.where(odd, np.abs(b), np.abs(a)), np.where(odd, np.abs(a), np.abs(b))
+    # In the middle of a cell's upper side bands are turned back upwards and downwards, in the middle of its flank to the sides.
+    level, upright = (x == 0.0) & (np.abs(y) == 1.0), (np.abs(x) == 1.0) & (y == 0.0)
+    over, under = np.where(level, _arcs(a, -b), np.where(upright, _arcs(a, b), over)), np.where(level | upright, np.inf, under)
+    return over, under, np.minimum(under, 0.5)
+
+
+def _arcs(a: Floats, b: Floats) -> Floats:
+    """Distance from two quarter circles of radius ½ around opposite corners of the square from -½ to ½."""
+    return np.asarray(np.minimum(np.abs(np.hypot(a - 0.5, b - 0.5) - 0.5), np.abs(np.hypot(a + 0.5, b + 0.5) - 0.5)))

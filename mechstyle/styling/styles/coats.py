@@ -1,4 +1,4 @@
-"""Coats of animals: fur, the spots of leopard and giraffe, the stripes of a zebra, and the patches that hide a soldier."""
+"""Coats and skins of animals: fur, leather, the spots and stripes of big cats, and the patches that hide a soldier."""
 
 from __future__ import annotations
 
@@ -7,13 +7,15 @@ import numpy as np
 from mechstyle.records.mesh import Floats
 from mechstyle.styling.drawing.canvas import Canvas
 from mechstyle.styling.drawing.colours import mix, ramp, rgb, smoothstep
-from mechstyle.styling.style import Relief, Style
+from mechstyle.styling.drawing.tilings import dome, folded
+from mechstyle.styling.style import Relief, style
 
 LOCK, LENGTH, ROSETTE, PATCH, STRIPE, BLOTCH, HATCH = 12.0, 30.0, 17.0, 27.0, 15.0, 40.0, 5.2
 DROOP = np.array([1.0, 1.0, 0.22])  # hair hangs down
 DRAB = ("2f3324", "8b7f56", "5c6b3a", "3f4d2c")
 
 
+@style("shaggy locks of hair, hanging over each other", feature_mm=15.0)
 def fur(canvas: Canvas) -> Relief:
     """Locks of hair that hang over each other every which way, each drawn out into strands that meet at its tip."""
     unit = canvas.unit("strands", 3.4, edges=1.8)
@@ -35,6 +37,7 @@ def fur(canvas: Canvas) -> Relief:
     return Relief(canvas.softened(np.clip(height, -1.05, 1.1)), canvas.softened(coat))
 
 
+@style("broken rings of dark raised spots on a golden coat", feature_mm=ROSETTE)
 def leopard(canvas: Canvas) -> Relief:
     """Broken rings of raised spots around darker hollows."""
     unit = canvas.unit("spots", 4.2, edges=2.0)
@@ -52,6 +55,7 @@ def leopard(canvas: Canvas) -> Relief:
     return Relief(canvas.softened(-0.60 + 1.55 * ring - 0.35 * heart + 0.14 * hair), canvas.softened(colour))
 
 
+@style("large angular brown patches between pale lines", feature_mm=PATCH)
 def giraffe(canvas: Canvas) -> Relief:
     """Large angular patches with soft ragged borders, close together."""
     unit = canvas.unit("lines between patches", 4.4, edges=2.0)
@@ -68,6 +72,7 @@ def giraffe(canvas: Canvas) -> Relief:
     )
 
 
+@style("black stripes on white that sway, fork and taper", feature_mm=STRIPE)
 def zebra(canvas: Canvas) -> Relief:
     """Stripes that sway, fork and taper."""
     unit = canvas.unit("stripes", 0.5 * STRIPE, edges=2.2)
@@ -82,6 +87,7 @@ def zebra(canvas: Canvas) -> Relief:
     return Relief(canvas.softened(-0.80 + 1.60 * stripe + 0.14 * hair), canvas.softened(mix(white, black, stripe)))
 
 
+@style("blotches of four drab tones, each hatched its own way", feature_mm=26.0)
 def camouflage(canvas: Canvas) -> Relief:
     """Blotches of four tones laid over each other, each a step higher and with a hatch of its own, which is its tone where all is grey."""
     unit = canvas.unit("lines of the hatches", HATCH, edges=4.5)
@@ -104,13 +110,24 @@ def _hair(canvas: Canvas, unit: float) -> Floats:
     return canvas.noise(5.0 * unit, 2, "hair", at=canvas.points * DROOP)
 
 
-STYLES = {
-    style.name: style
-    for style in (
-        Style(name="fur", description="shaggy locks of hair, hanging over each other", feature_mm=15.0, program=fur),
-        Style(name="leopard", description="broken rings of dark raised spots on a golden coat", feature_mm=ROSETTE, program=leopard),
-        Style(name="giraffe", description="large angular brown patches between pale lines", feature_mm=PATCH, program=giraffe),
-        Style(name="zebra", description="black stripes on white that sway, fork and taper", feature_mm=STRIPE, program=zebra),
-        Style(name="camouflage", description="blotches of four drab tones, each hatched its own way", feature_mm=26.0, program=camouflage),
-    )
-}
+PEBBLE, WIDE, HIGH, STITCH = 5.4, 88.0, 58.0, 9.0
+
+
+@style("brown leather with a fine grain, sewn in panels with pale thread", feature_mm=10.0)
+def leather(canvas: Canvas) -> Relief:
+    """Panels with a fine grain, sewn together: they swell between the seams, and a row of stitches runs on both sides of each."""
+    unit = canvas.unit("pebbles of the hide", PEBBLE, edges=3.0)
+    grain = canvas.cells(PEBBLE * unit, "grain", at=canvas.warped(6.0 * unit, 1.2 * unit, "grain"))
+    cushion = smoothstep(0.0, 0.30 * PEBBLE, grain.edge / unit)
+    bond = canvas.bond(WIDE * unit, HIGH * unit, shift=0.0)
+    x, y = np.abs(bond.x) * WIDE, np.abs(bond.y) * HIGH
+    across, level = 0.5 * WIDE - x, 0.5 * HIGH - y  # ways to the upright and to the level seam
+    seam, along = np.minimum(across, level), np.where(across < level, y, x)
+    sewn = smoothstep(9.5, 7.5, seam)
+    thread = dome(np.hypot((seam - 5.2) / 2.3, STITCH * folded(along / STITCH) / 3.1))
+    patina, own = canvas.noise(36.0 * unit, 3, "patina"), canvas.random(grain.identity, "tone") - 0.5
+    swell = smoothstep(0.4, 2.4, seam) * (1.0 + 0.35 * smoothstep(12.0, 3.0, seam)) - 0.75 * smoothstep(3.2, 2.0, np.abs(seam - 5.2))
+    height = -1.0 + 0.75 * swell + 1.25 * cushion * (1.0 - sewn) + 0.45 * sewn + 1.35 * thread + 0.10 * own * cushion
+    tone = np.clip(0.30 + 0.36 * cushion + 0.22 * patina + 0.16 * own - 0.30 * (seam < 1.5), 0.0, 1.0)
+    hide = canvas.painted(ramp(["5a2f1a", "8a4c27", "b06c3c", "d09a66"], tone))
+    return Relief(canvas.softened(height), canvas.softened(mix(hide, rgb("ecd9b0"), smoothstep(0.2, 0.5, thread))))
