@@ -26,8 +26,7 @@ import trimesh
 from mechstyle._files import write_aside
 from mechstyle.errors import BadInput, unknown
 from mechstyle.geometry.claims import MOST_BYTES, MOST_FACES, Beyond, check_claims, stl_length
-from mechstyle.geometry.glb import DULL, Sheen, glb_bytes
-from mechstyle.geometry.glb_reader import plain
+from mechstyle.geometry.glb import DULL, Sheen, glb_bytes, plain
 from mechstyle.geometry.one_body import Body, bodies_of, repaired
 from mechstyle.geometry.pieces import COLOURS_LEFT, Held, Piece, Thing, sides
 from mechstyle.geometry.threemf import threemf_bytes

@@ -21,8 +21,8 @@ from mechstyle._colour import linear_to_srgb
 from mechstyle.errors import BadInput
 from mechstyle.pictures.camera import Camera
 from mechstyle.pictures.colormap import STRIPE, Scale, hatch
-from mechstyle.pictures.raster.visibility import visible
 from mechstyle.pictures.scene import BACKGROUND, Field, render
+from mechstyle.pictures.visibility import visible
 from mechstyle.records.mesh import SurfaceMesh
 
 DPI = 100.0

@@ -12,8 +12,7 @@ from mechstyle.errors import BadInput
 from mechstyle.geometry.region_selection import selected
 from mechstyle.records.mesh import Bools, Floats, Indices, SurfaceMesh
 from mechstyle.styling.drawing.colours import NEUTRAL, smoothstep
-from mechstyle.styling.drawing.folds import unfolded
-from mechstyle.styling.drawing.operators import Operators
+from mechstyle.styling.drawing.operators import Operators, unfolded
 from mechstyle.styling.drawn import Target
 from mechstyle.styling.prompt import Reading, Wish
 

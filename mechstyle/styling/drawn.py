@@ -13,7 +13,7 @@ from mechstyle.records.recipe import DEFAULTS
 from mechstyle.styling.dimensions import Dimensions
 from mechstyle.styling.drawing.canvas import Canvas, scale_by_area
 from mechstyle.styling.drawing.colours import NEUTRAL, in_recesses
-from mechstyle.styling.drawing.folds import unfolded
+from mechstyle.styling.drawing.operators import unfolded
 from mechstyle.styling.drawing.raster import Raster
 from mechstyle.styling.library import style_named
 from mechstyle.styling.picture import NAME as PICTURE

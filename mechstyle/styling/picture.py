@@ -10,8 +10,7 @@ from mechstyle.records.mesh import Floats, SurfaceMesh
 from mechstyle.records.regions import End, Region
 from mechstyle.styling.drawing.canvas import Canvas, scale_by_area
 from mechstyle.styling.drawing.colours import NEUTRAL, mix
-from mechstyle.styling.drawing.placed_picture import PlacedPicture
-from mechstyle.styling.drawing.projection import Projection, around_projection, box_projection, planar_projection
+from mechstyle.styling.drawing.projection import PlacedPicture, Projection, around_projection, box_projection, planar_projection
 from mechstyle.styling.drawing.raster import Raster
 from mechstyle.styling.style import Relief, Style
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from manifold3d import Manifold
 
+from mechstyle.geometry.inside_outside import _hemisphere, sky_seen
 from mechstyle.geometry.remeshing.evening import even, surface_of
-from mechstyle.geometry.visibility import _hemisphere, sky_seen
 from mechstyle.records.mesh import SurfaceMesh
 
 

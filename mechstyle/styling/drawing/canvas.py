@@ -13,10 +13,9 @@ from mechstyle.geometry.cancelling import CancelCheck, never_cancel
 from mechstyle.records.mesh import Floats, Indices, SurfaceMesh
 from mechstyle.styling.drawing import noise, scatter
 from mechstyle.styling.drawing.charts import Chart, chart_of
-from mechstyle.styling.drawing.colours import recoloured, shaded
-from mechstyle.styling.drawing.finishes import cast, finish_of
+from mechstyle.styling.drawing.colours import cast, finish_of, recoloured, shaded
 from mechstyle.styling.drawing.operators import Operators
-from mechstyle.styling.drawing.placed_picture import PlacedPicture
+from mechstyle.styling.drawing.projection import PlacedPicture
 
 _REFERENCE_AREA = 60_000.0  # surface of a 100 mm cube or pen holder [mm²], on which features have their nominal size
 _SCALES = (0.1, 4.0)

@@ -12,7 +12,7 @@ import torch
 from torch.nn import functional
 
 from mechstyle._warp import wp
-from mechstyle.pictures.raster import kernels
+from mechstyle.pictures import kernels
 
 _BITS = 62
 _LEAST = 1e-30  # of a largest addend, so that none is divided by zero

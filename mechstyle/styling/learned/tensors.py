@@ -11,7 +11,7 @@ from typing import Any
 import torch
 
 from mechstyle._warp import wp
-from mechstyle.pictures.raster import kernels
+from mechstyle.pictures import kernels
 
 STEPS = 1 << 15
 """Grid steps per pixel: as fine as float32 coordinates in a picture of a few hundred pixels."""

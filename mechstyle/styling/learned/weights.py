@@ -6,6 +6,7 @@ A folder of one's own, as transformers saves it, may also be used where it is; $
 from __future__ import annotations
 
 import hashlib
+import importlib.util
 import os
 import re
 import shutil
@@ -249,3 +250,20 @@ def _revision_with(file: str, repository: str) -> str:
     if found is None:
         raise MissingPiece(f"{repository} has no {file}, and no other kind of file is read: name a folder of your own with --clip")
     return found
+
+
+LIBRARIES = ("torch", "transformers", "safetensors")
+
+
+def need_clip_extra() -> None:
+    """Refuse what needs torch where it is not installed.
+
+    Raises:
+        MissingPiece: With the command that installs it and what works without.
+    """
+    absent = [name for name in LIBRARIES if importlib.util.find_spec(name) is None]
+    if absent:
+        raise MissingPiece(
+            f"the network and CLIP need {', '.join(absent)}: install with `pip install 'mechstyle[clip]'`, "
+            "or use the offline styles on vertices (guidance 'offline', field 'vertex'), which need neither"
+        )
