@@ -104,7 +104,8 @@ def read(
         mesh = SurfaceMesh(mesh.vertices * (size / float(mesh.extents.max())), mesh.faces)
     elif scale is None and not unit:
         _ask(file.name, mesh, factor)
-    notes = [f"{sides(mesh.vertices)}, {_grams(mesh)} g in solid PLA"]
+    mass = mesh.volume * LIBRARY["PLA"].density
+    notes = [f"{sides(mesh.vertices)}, {f'{mass:.0f}' if mass >= 10.0 else f'{mass:.2g}'} g in solid PLA"]
     if factor != 1.0:
         notes.append(f"converted to millimetres (times {factor:g})")
     notes += _left_out(held, factor * axes)
@@ -160,7 +161,11 @@ def _scaled(file: Path, scale: float | None, unit: str, size: float | None) -> t
     longest = float(np.ptp(corners, axis=0).max())
     if size is not None and longest > 0.0:
         factor_given = size / longest
-    factor = _of_the_file(file.name, held.unit) if factor_given is None else factor_given
+    try:
+        factor = millimetres(held.unit) if factor_given is None else factor_given
+    except BadInput as error:
+        odd = f"{file.name} is in {held.unit[:40]!r}, a unit that 3MF does not have"
+        raise BadInput(f"{odd}: export it again, or say its unit with --unit") from error
     _check_size(file.name, corners, factor)
     return held, factor
 
@@ -172,11 +177,6 @@ def _placed(things: tuple[Thing, ...], matrix: Floats) -> list[Thing]:
         return tuple(piece._replace(vertices=piece.vertices @ matrix.T) for piece in pieces)
 
     return [Thing(thing.name, moved(thing.pieces), moved(thing.cuts)) for thing in things]
-
-
-def _grams(mesh: SurfaceMesh) -> str:
-    mass = mesh.volume * LIBRARY["PLA"].density
-    return f"{mass:.0f}" if mass >= 10.0 else f"{mass:.2g}"
 
 
 def _left_out(held: Held, matrix: Floats) -> list[str]:
@@ -214,15 +214,6 @@ def _held(file: Path) -> Held:
         if len(faces) and (faces.min() < 0 or faces.max() >= len(vertices)):
             raise BadInput(f"{file.name} has faces with vertices that are not there: it is damaged or was cut off; export it again")
     return held
-
-
-def _of_the_file(name: str, unit: str) -> float:
-    """Millimetres of the unit that a file names; BadInput for one that nobody knows."""
-    try:
-        return millimetres(unit)
-    except BadInput as error:
-        odd = f"{name} is in {unit[:40]!r}, a unit that 3MF does not have"
-        raise BadInput(f"{odd}: export it again, or say its unit with --unit") from error
 
 
 def _kind(suffix: str) -> str:
@@ -280,8 +271,8 @@ def _parsed(name: str, content: bytes, suffix: str) -> Held:
             return read_threemf(content)
         if suffix == "glb":
             content, notes = plain(content)
-        if suffix == "stl":
-            content, notes = _without_tail(content)
+        if suffix == "stl" and 0 < (whole := stl_length(content)) < len(content):
+            content, notes = content[:whole], (f"left out {len(content) - whole} bytes after its last triangle",)
     except Beyond as error:
         raise BadInput(f"{name} {error}") from error
     except DAMAGED as error:
@@ -321,14 +312,6 @@ def _by_trimesh(name: str, content: bytes, suffix: str) -> tuple[Piece, ...]:
 
 def _damaged(name: str, suffix: str) -> BadInput:
     return BadInput(f"{name} cannot be read as {suffix.upper()}: it is damaged, was cut off, or is something else; export it again")
-
-
-def _without_tail(content: bytes) -> tuple[bytes, tuple[str, ...]]:
-    """A binary STL without what follows its triangles, and a sentence if there was something; other files as they are."""
-    whole = stl_length(content)
-    if not whole or len(content) <= whole:
-        return content, ()
-    return content[:whole], (f"left out {len(content) - whole} bytes after its last triangle",)
 
 
 def _is_coloured(content: bytes, suffix: str) -> bool:
@@ -411,10 +394,11 @@ def save(mesh: SurfaceMesh, path: str | Path, *, name: str = "", fields: Mapping
     if fields:
         check_holds_fields(file)
     called = name or getattr(mesh, "name", "") or "part"
-    try:
-        write_aside(file, _content_of(mesh, suffix, called, fields, sheen))
-    except OSError as error:
-        raise _no_room(file, error) from error
+    if suffix == "3mf":
+        content = threemf_bytes(mesh, called)
+    else:
+        content = glb_bytes(mesh, called, fields, sheen) if suffix == "glb" else _exported(mesh, suffix, fields)
+    write_file(file, content)
     return file
 
 
@@ -423,11 +407,7 @@ def write_file(path: Path, content: bytes) -> None:
     try:
         write_aside(path, content)
     except OSError as error:
-        raise _no_room(path, error) from error
-
-
-def _no_room(file: Path, error: OSError) -> BadInput:
-    return BadInput(f"cannot write {file}: {error.strerror}; choose another place, or make room")
+        raise BadInput(f"cannot write {path}: {error.strerror}; choose another place, or make room") from error
 
 
 def check_holds_fields(path: str | Path) -> None:
@@ -435,12 +415,6 @@ def check_holds_fields(path: str | Path) -> None:
     suffix = Path(path).suffix.lower().lstrip(".")
     if suffix not in MEASURED:
         raise BadInput(f"{Path(path).name}: {suffix.upper()} holds no fields; use {' or '.join(MEASURED)}, or leave the fields out")
-
-
-def _content_of(mesh: SurfaceMesh, suffix: str, name: str, fields: Mapping[str, Field], sheen: Sheen) -> bytes:
-    if suffix == "3mf":
-        return threemf_bytes(mesh, name)
-    return glb_bytes(mesh, name, fields, sheen) if suffix == "glb" else _exported(mesh, suffix, fields)
 
 
 def _exported(mesh: SurfaceMesh, suffix: str, fields: Mapping[str, Field]) -> bytes:

@@ -59,7 +59,9 @@ def glb_bytes(mesh: SurfaceMesh, name: str, fields: Mapping[str, Field] = Mappin
     shaded: dict[str, Any] = {"metallicFactor": sheen.metallic, "roughnessFactor": sheen.roughness}
     document: dict[str, Any] = {"asset": {"version": "2.0", "generator": "MechStyle"}, "scene": 0}
     if mesh.colours is not None:
-        attributes["COLOR_0"] = buffer.accessor(_linear(mesh.colours), _SHORT, "VEC4", _VERTICES, normalized=True)
+        opaque = np.column_stack([srgb_to_linear(np.clip(mesh.colours, 0.0, 1.0)), np.ones(len(mesh.colours))])
+        linear = np.round(opaque * 65535.0).astype(np.uint16)  # in 8 bits dark colours would not differ
+        attributes["COLOR_0"] = buffer.accessor(linear, _SHORT, "VEC4", _VERTICES, normalized=True)
     else:
         shaded["baseColorFactor"] = [PLAIN, PLAIN, PLAIN, 1.0]
     for called, values in fields.items():
@@ -74,15 +76,7 @@ def glb_bytes(mesh: SurfaceMesh, name: str, fields: Mapping[str, Field] = Mappin
         "bufferViews": buffer.views,
         "buffers": [{"byteLength": len(buffer.content)}],
     }
-    head, body = _padded(json.dumps(document, separators=(",", ":")).encode(), b" "), _padded(bytes(buffer.content), b"\0")
-    chunks = b"".join(struct.pack("<I4s", len(chunk), kind) + chunk for chunk, kind in ((head, b"JSON"), (body, b"BIN\0")))
-    return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks
-
-
-def _linear(colours: NDArray[np.floating]) -> NDArray[np.uint16]:
-    """Colours as linear 16-bit RGBA: in 8 bits dark ones would not differ."""
-    opaque = np.column_stack([srgb_to_linear(np.clip(colours, 0.0, 1.0)), np.ones(len(colours))])
-    return np.round(opaque * 65535.0).astype(np.uint16)
+    return _file(struct.pack("<4sI", b"glTF", 2), json.dumps(document, separators=(",", ":")), bytes(buffer.content))
 
 
 class _Buffer:
@@ -100,6 +94,13 @@ class _Buffer:
         self.content += _padded(data, b"\0")
         self.accessors.append({"bufferView": len(self.accessors), "componentType": component, "count": len(array), "type": kind, **more})
         return len(self.accessors) - 1
+
+
+def _file(begin: bytes, document: str, binary: bytes) -> bytes:
+    """A GLB file of what it begins with, its document and its numbers."""
+    head, body = _padded(document.encode(), b" "), _padded(binary, b"\0")
+    chunks = b"".join(struct.pack("<I4s", len(chunk), kind) + chunk for chunk, kind in ((head, b"JSON"), (body, b"BIN\0")))
+    return begin + struct.pack("<I", 12 + len(chunks)) + chunks
 
 
 def _padded(data: bytes, filler: bytes) -> bytes:
@@ -152,12 +153,8 @@ def plain(content: bytes) -> tuple[bytes, tuple[str, ...]]:
         raise Beyond("has nothing in the scene that it shows: put the part into it in the program it was made with, and save it again")
     if document.get("buffers") and "uri" not in document["buffers"][0]:
         document["buffers"][0]["byteLength"] = len(binary)
-    words = json.dumps(document).encode()
-    words += b" " * (-len(words) % 4)
-    binary += bytes(-len(binary) % 4)
-    chunks = struct.pack("<I4s", len(words), b"JSON") + words + struct.pack("<I4s", len(binary), b"BIN\0") + binary
     notes = ([POSED] if posed else []) + ([COLOURS_LEFT] if coloured else [])
-    return content[:8] + struct.pack("<I", 12 + len(chunks)) + chunks, tuple(notes)
+    return _file(content[:8], json.dumps(document), bytes(binary)), tuple(notes)
 
 
 def _tidied(document: dict[str, Any]) -> bool:

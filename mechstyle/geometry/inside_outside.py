@@ -66,17 +66,8 @@ def is_inside(mesh: SurfaceMesh, *, device: str = "cpu") -> NDArray[np.bool_]:
         mesh: A closed surface; one of the same vertices and faces as a few before is not asked again.
         device: Warp device.
     """
-    inside = _known.get(mesh.digest)
-    if inside is None:
-        inside = _told_apart(mesh, device)
-        while len(_known) >= KEPT:
-            _known.pop(next(iter(_known)), None)
-        _known[mesh.digest] = inside
-    return inside
-
-
-def _told_apart(mesh: SurfaceMesh, device: str) -> NDArray[np.bool_]:
-    """Whether each vertex is inside, shape [vertex_count]; write-protected."""
+    if mesh.digest in _known:
+        return _known[mesh.digest]
     sky = openness(mesh, device=device)
     reached, shut, free = _by_ball(mesh, device)
     inside = (shut & (sky <= OPEN)) | (~reached & (sky < HIDDEN))
@@ -84,6 +75,9 @@ def _told_apart(mesh: SurfaceMesh, device: str) -> NDArray[np.bool_]:
     if inside.any() and outside.any():
         inside = _without_specks(mesh, _walked(mesh, inside, outside) > 0.5)
     inside.setflags(write=False)
+    while len(_known) >= KEPT:
+        _known.pop(next(iter(_known)), None)
+    _known[mesh.digest] = inside
     return inside
 
 
@@ -202,18 +196,24 @@ def escaping(tree: TriangleTree, points: Floats, normals: Floats, skin: float, r
         reach: How long they are [mm].
     """
     towards: Any = wp.array(normals.astype(np.float32), dtype=wp.vec3, device=tree.device)
-    rays: Any = wp.array(_cosine_directions(RAYS), dtype=wp.vec3, device=tree.device)
+    rays: Any = wp.array(_directions(RAYS, cosine=True).astype(np.float32), dtype=wp.vec3, device=tree.device)
     escaped: Any = wp.empty(len(points), dtype=wp.int32, device=tree.device)
     inputs = [tree.id, tree.points(points), towards, rays, skin, reach, escaped]
     wp.launch(count_escapes, dim=len(points), inputs=inputs, device=tree.device)
     return np.asarray(escaped.numpy() / RAYS, dtype=np.float64)
 
 
-def _cosine_directions(count: int) -> NDArray[np.float32]:
-    """Unit vectors about z as dense as the cosine of their angle to it: a Fibonacci spiral on the disc, lifted to the hemisphere."""
+def _directions(count: int, *, cosine: bool) -> Floats:
+    """Unit vectors with z > 0 on a Fibonacci spiral, each for the same solid angle, or as dense as their z; shape [count, 3]."""
     k = np.arange(count) + 0.5
-    radius, angle = np.sqrt(k / count), np.pi * (3.0 - np.sqrt(5.0)) * k
-    return np.column_stack([radius * np.cos(angle), radius * np.sin(angle), np.sqrt(1.0 - radius**2)]).astype(np.float32)
+    angle = np.pi * (3.0 - np.sqrt(5.0)) * k
+    if cosine:
+        radius = np.sqrt(k / count)
+        height = np.sqrt(1.0 - radius**2)
+    else:
+        height = k / count
+        radius = np.sqrt(1.0 - height**2)
+    return np.column_stack([radius * np.cos(angle), radius * np.sin(angle), height])
 
 
 def _walked(mesh: SurfaceMesh, ones: NDArray[np.bool_], zeros: NDArray[np.bool_]) -> Floats:
@@ -252,28 +252,14 @@ def sky_seen(surface: SurfaceMesh, *, directions: int = 64, device: str = "cpu")
         directions: Number of directions the sky is divided into.
         device: Warp device.
     """
-    sky, count = _hemisphere(directions), len(surface.vertices)
+    sky, count = _directions(directions, cosine=False), len(surface.vertices)
     tree = TriangleTree(surface.vertices, surface.faces, device)
     normals: Any = wp.array(surface.vertex_normals.astype(np.float32), dtype=wp.vec3, device=device)
     rays: Any = wp.array(sky.astype(np.float32), dtype=wp.vec3, device=device)
     light: Any = wp.empty(count, dtype=wp.float32, device=device)
     inputs = [tree.id, tree.points(surface.vertices), normals, rays, 1e-4 * surface.size, 2.0 * surface.size, light]
     wp.launch(gather_light, dim=count, inputs=inputs, device=device)
-    seen = np.clip(light.numpy() / sky[:, 2].sum(), 0.0, 1.0) * (1.0 - _resting(surface))
-    return np.asarray(seen, dtype=np.float32)
-
-
-def _hemisphere(count: int) -> Floats:
-    """Evenly spread unit vectors with z > 0, shape [count, 3]: a Fibonacci spiral, each for the same solid angle."""
-    k = np.arange(count) + 0.5
-    height, angle = k / count, np.pi * (3.0 - np.sqrt(5.0)) * k
-    radius = np.sqrt(1.0 - height**2)
-    return np.column_stack([radius * np.cos(angle), radius * np.sin(angle), height])
-
-
-def _resting(surface: SurfaceMesh) -> Floats:
-    """Share of the area around each vertex that lies on the floor, in [0, 1], shape [vertex_count]."""
     areas = np.where(on_floor(surface), surface.face_areas, 0.0)
-    rests = np.bincount(surface.faces.ravel(), np.repeat(areas / 3.0, 3), len(surface.vertices))
-    share = np.divide(rests, surface.vertex_areas, out=np.zeros(len(rests)), where=rests > 0.0)
-    return np.minimum(share, 1.0)
+    rests = np.bincount(surface.faces.ravel(), np.repeat(areas / 3.0, 3), count)
+    on_the_floor = np.minimum(np.divide(rests, surface.vertex_areas, out=np.zeros(count), where=rests > 0.0), 1.0)
+    return np.asarray(np.clip(light.numpy() / sky[:, 2].sum(), 0.0, 1.0) * (1.0 - on_the_floor), dtype=np.float32)

@@ -43,7 +43,11 @@ def subdivided(mesh: SurfaceMesh, parts: int = 2) -> SurfaceMesh:
     weights = np.concatenate([np.full(count, parts), on_edges.ravel(), in_faces.ravel()]) / parts
     matrix = sp.csr_array((weights, (rows, columns)), shape=(total, count))
     inside = first_inside + np.arange(len(in_faces)).reshape(len(mesh.faces), -1)
-    return _with_faces(mesh, matrix, _cut_faces(mesh.faces, _along_edges(mesh.faces, edges, count, parts), inside, parts))
+    # Numbers of the new vertices from each corner of each face on the way to the next, shape [face_count, 3, parts - 1].
+    forth = (mesh.faces < np.roll(mesh.faces, -1, axis=1))[:, :, None]
+    step = np.where(forth, np.arange(parts - 1), np.arange(parts - 1)[::-1])
+    along = count + _edges_of_faces(mesh.faces, edges, count)[:, :, None] * (parts - 1) + step
+    return _with_faces(mesh, matrix, _cut_faces(mesh.faces, along, inside, parts))
 
 
 def halved(mesh: SurfaceMesh, count: int) -> SurfaceMesh:
@@ -91,13 +95,6 @@ def _longest_apart(mesh: SurfaceMesh, count: int) -> NDArray[np.int64]:
             taken[faces_of[edge]] = True
             chosen.append(int(edge))
     return np.array(sorted(chosen), np.int64)
-
-
-def _along_edges(faces: Indices, edges: NDArray[np.int64], count: int, parts: int) -> NDArray[np.int64]:
-    """Numbers of the new vertices from each corner of each face on the way to the next, shape [face_count, 3, parts - 1]."""
-    forth = (faces < np.roll(faces, -1, axis=1))[:, :, None]
-    step = np.where(forth, np.arange(parts - 1), np.arange(parts - 1)[::-1])
-    return count + _edges_of_faces(faces, edges, count)[:, :, None] * (parts - 1) + step
 
 
 def _cut_faces(faces: Indices, along: NDArray[np.int64], inside: NDArray[np.int64], parts: int) -> NDArray[np.int64]:

@@ -148,7 +148,7 @@ class _Package:
     def read(self, name: str, file: Any) -> None:
         """Read an entry of the package: a model part, settings of a slicer, or where the package begins."""
         self._part, self._object = name, None
-        handle = self._of_model if name.endswith(".model") else self._of_relations if name.endswith(".rels") else self._of_settings
+        handle = self._of_model if name.endswith(".model") else self._of_relations if name.endswith(".rels") else self.said.element
 
         def element(tag: str, attributes: dict[str, str]) -> None:
             self._marks += 1 + len(attributes)
@@ -165,9 +165,6 @@ class _Package:
     def _of_relations(self, kind: str, attributes: dict[str, str]) -> None:
         if kind == "Relationship" and attributes.get("Type", "").endswith("/3dmodel"):
             self.start = self.start or _path(attributes.get("Target", ""))
-
-    def _of_settings(self, kind: str, attributes: dict[str, str]) -> None:
-        self.said.element(kind, attributes)
 
     def _of_model(self, kind: str, attributes: dict[str, str]) -> None:
         if kind == "object":

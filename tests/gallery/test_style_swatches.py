@@ -52,7 +52,7 @@ def test_a_swatch_of_other_code_is_not_shown(cache, monkeypatch):
 
 
 def test_a_plate_stands_upright_with_up_in_the_picture_up():
-    relief = style_named("stripes").program(style_sheet.Canvas(style_sheet._plate(), seed=0, size=style_sheet.SIZE))
+    relief = style_named("stripes").program(style_sheet.Canvas(style_sheet._plate(), seed=0, size=style_sheet.PLATE_SIZE))
     columns = relief.height.reshape(style_sheet.PLATE_ROWS, style_sheet.PLATE_COLUMNS).mean(axis=0)
     rows = relief.height.reshape(style_sheet.PLATE_ROWS, style_sheet.PLATE_COLUMNS).mean(axis=1)
     assert rows.std() > 1.5 * columns.std()  # bands lie

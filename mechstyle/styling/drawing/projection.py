@@ -149,8 +149,12 @@ def box_projection(mesh: SurfaceMesh, width: float | None, usual: float, aspect:
     x, y, z = _axes(mesh)
     frames = (np.stack([y, z, x]), np.stack([-x, z, y]), np.stack([x, y, z]))
     sides = [Side(axes, _middle(mesh, axes)) for axes in frames]
-    if width is None:
-        width = usual if repeated else min(_fitting(mesh, side, aspect) for side in _worth_looking_at(mesh, sides))
+    if width is None and repeated:
+        width = usual
+    elif width is None:
+        areas = mesh.face_areas / mesh.face_areas.sum()
+        share = [float(areas[np.abs(mesh.face_normals @ side.axes[2]) > np.sqrt(0.5)].sum()) for side in sides]
+        width = min(_fitting(mesh, side, aspect) for side, one in zip(sides, share, strict=True) if one >= min(_WORTH, max(share)))
     return BoxProjection((sides[0], sides[1], sides[2]), width, aspect)
 
 
@@ -206,12 +210,6 @@ def _shown(mesh: SurfaceMesh, axes: Floats) -> float:
     """Share of the surface that faces a side."""
     areas = mesh.face_areas
     return float(areas[mesh.face_normals @ axes[2] > _FACING].sum() / areas.sum())
-
-
-def _worth_looking_at(mesh: SurfaceMesh, sides: list[Side]) -> list[Side]:
-    areas = mesh.face_areas / mesh.face_areas.sum()
-    share = [float(areas[np.abs(mesh.face_normals @ side.axes[2]) > np.sqrt(0.5)].sum()) for side in sides]
-    return [side for side, one in zip(sides, share, strict=True) if one >= min(_WORTH, max(share))]
 
 
 def _middle(mesh: SurfaceMesh, axes: Floats, *, facing: bool = False) -> Floats:

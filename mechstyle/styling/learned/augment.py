@@ -71,7 +71,10 @@ def warped(images: torch.Tensor, warps: Warps) -> torch.Tensor:
         warps: Maps of `a` augmentations.
     """
     views, _, _, size = images.shape
-    place = _pixel_centres(size, images.device, images.dtype)
+    # Homogeneous coordinates of the pixel centres.
+    centre = (2.0 * torch.arange(size, device=images.device, dtype=images.dtype) + 1.0) / size - 1.0
+    y, x = torch.meshgrid(centre, centre, indexing="ij")
+    place = torch.stack([x, y, torch.ones_like(x)], dim=2)
     projected = torch.einsum("aij,hwj->ahwi", warps.perspective, place)
     seen = projected[..., :2] / projected[..., 2:]
     inside = (seen.abs() <= 1.0).all(dim=3) & (projected[..., 2] > 0.0)
@@ -95,10 +98,3 @@ def _neighbours(place: torch.Tensor, size: int) -> tuple[torch.Tensor, torch.Ten
     weights = (1.0 - (pixel[:, None] - corners).abs()).prod(dim=2) * there
     x, y = corners.clamp(0, size - 1).long().unbind(dim=2)
     return y * size + x, weights
-
-
-def _pixel_centres(size: int, device: torch.device, dtype: torch.dtype) -> torch.Tensor:
-    """Homogeneous coordinates of the pixel centres, shape [size, size, 3]."""
-    centre = (2.0 * torch.arange(size, device=device, dtype=dtype) + 1.0) / size - 1.0
-    y, x = torch.meshgrid(centre, centre, indexing="ij")
-    return torch.stack([x, y, torch.ones_like(x)], dim=2)

@@ -12,8 +12,6 @@ import math
 from dataclasses import dataclass, replace
 from functools import partial
 
-import torch
-
 from mechstyle.errors import BadInput, MissingPiece
 
 try:
@@ -150,7 +148,10 @@ class Renderer:
         place, beside = corners.split([2, corners.shape[-1] - 2], dim=-1)
         areas = self._areas(place, pixel % count)
         if self._flat:
-            blended = (_screen_weights(areas, 0.5 * self._size)[..., None] * beside[..., 1:]).sum(dim=0)
+            half = 0.5 * self._size  # Kaolin's weights are linear in its picture from -1 to 1
+            divisor = areas.sum(dim=0) / half**2 + KAOLIN_EPS
+            b, c = areas[1:] / half**2 / divisor
+            blended = (torch.stack([1.0 - b - c, b, c])[..., None] * beside[..., 1:]).sum(dim=0)
             samples = _lit(blended, normals.index_select(0, shown), light.index_select(0, view))
         else:
             samples = _smooth_look(light, beside, _held(areas, ~steady.index_select(0, shown)), view)
@@ -177,7 +178,9 @@ def _smooth_look(light: torch.Tensor, corners: torch.Tensor, weights: torch.Tens
         view: Of each point, shape [k].
     """
     inverse_depth, look = corners.split([1, 6], dim=2)
-    colour, normal = (_perspective_weights(weights[..., None], inverse_depth) * look).sum(dim=0).split(3, dim=1)
+    # In space, not in the picture; a triangle may be so thin that rounding puts the pixel outside, and they stay between 0 and 1 even so.
+    positive = (weights[..., None] * inverse_depth).clamp(min=1e-20)
+    colour, normal = ((positive / positive.sum(dim=0)) * look).sum(dim=0).split(3, dim=1)
     return _lit(colour, _steady_unit(normal, LEAST_BLEND), light.index_select(0, view))
 
 
@@ -195,22 +198,6 @@ def _lit(colours: torch.Tensor, normals: torch.Tensor, light: torch.Tensor) -> t
     """RGB and coverage, shape [k, 4], of points of these colours, unit normals and lights, all of shape [k, 3]."""
     brightness = AMBIENT + DIRECTED * (normals * light).sum(dim=1, keepdim=True)
     return torch.cat([(colours * brightness).clamp(0.0, 1.0), torch.ones_like(brightness)], dim=1)
-
-
-def _perspective_weights(weights: torch.Tensor, inverse_depth: torch.Tensor) -> torch.Tensor:
-    """Weights in space from those in the picture, both shape [r, k, 1], scaled to a sum of 1.
-
-    A triangle may be so thin that rounding puts the pixel outside; its weights stay between 0 and 1 even so.
-    """
-    positive = (weights * inverse_depth).clamp(min=1e-20)
-    return positive / positive.sum(dim=0)
-
-
-def _screen_weights(areas: torch.Tensor, half: float) -> torch.Tensor:
-    """Kaolin's weights, linear in the picture, with twice the areas [pixels²] brought to its picture from -1 to 1 first."""
-    divisor = areas.sum(dim=0) / half**2 + KAOLIN_EPS
-    b, c = areas[1:] / half**2 / divisor
-    return torch.stack([1.0 - b - c, b, c])
 
 
 @dataclass(frozen=True)

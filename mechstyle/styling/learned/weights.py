@@ -123,17 +123,13 @@ def verified(folder: Path) -> Weights:
     """A folder that holds a whole CLIP; one of the store, besides, the very files that were fetched or added."""
     kept = folder / SUMS
     if kept.is_file():
-        _unchanged(folder, kept.read_text(errors="replace").splitlines())
+        again = f"run `mechstyle weights fetch {folder.name}` again" if folder.name in KNOWN else "remove the folder and add it again"
+        for line in kept.read_text(errors="replace").splitlines():
+            digest, _, name = line.partition("  ")
+            if (folder / name).is_file() and _sha256(folder / name) != digest:
+                raise BadInput(f"{folder / name} is not the file that {SUMS} beside it tells of: {again}")
     found = listing(folder, opened(folder).files)
     return Weights(folder, f"{folder.resolve().name}@{hashlib.sha256(found.encode()).hexdigest()}")
-
-
-def _unchanged(folder: Path, sums: list[str]) -> None:
-    for line in sums:
-        digest, _, name = line.partition("  ")
-        if (folder / name).is_file() and _sha256(folder / name) != digest:
-            again = f"run `mechstyle weights fetch {folder.name}` again" if folder.name in KNOWN else "remove the folder and add it again"
-            raise BadInput(f"{folder / name} is not the file that {SUMS} beside it tells of: {again}")
 
 
 def listing(folder: Path, files: Sequence[str] = FILES) -> str:
