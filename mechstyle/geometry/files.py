@@ -28,7 +28,7 @@ from mechstyle.errors import BadInput, unknown
 from mechstyle.geometry.claims import MOST_BYTES, MOST_FACES, Beyond, check_claims, stl_length
 from mechstyle.geometry.glb import DULL, Sheen, glb_bytes, plain
 from mechstyle.geometry.one_body import Body, bodies_of, repaired
-from mechstyle.geometry.pieces import COLOURS_LEFT, Held, Piece, Thing, sides
+from mechstyle.geometry.pieces import COLOURS_LEFT, Held, Piece, Thing, size_words
 from mechstyle.geometry.threemf import threemf_bytes
 from mechstyle.geometry.threemf_reader import read_threemf
 from mechstyle.geometry.upright import lying, upright
@@ -103,9 +103,9 @@ def read(
     if size is not None:
         mesh = SurfaceMesh(mesh.vertices * (size / float(mesh.extents.max())), mesh.faces)
     elif scale is None and not unit:
-        _ask(file.name, mesh, factor)
+        _check_plausible(file.name, mesh, factor)
     mass = mesh.volume * LIBRARY["PLA"].density
-    notes = [f"{sides(mesh.vertices)}, {f'{mass:.0f}' if mass >= 10.0 else f'{mass:.2g}'} g in solid PLA"]
+    notes = [f"{size_words(mesh.vertices)}, {f'{mass:.0f}' if mass >= 10.0 else f'{mass:.2g}'} g in solid PLA"]
     if factor != 1.0:
         notes.append(f"converted to millimetres (times {factor:g})")
     notes += _left_out(held, factor * axes)
@@ -156,7 +156,7 @@ def _scaled(file: Path, scale: float | None, unit: str, size: float | None) -> t
         if number is not None and not (np.isfinite(number) and number > 0):
             raise BadInput(f"{what} is {number:g}, but must be a positive number, such as {example}")
     factor_given = millimetres(unit) if unit else scale
-    held = _held(file)
+    held = _checked_content(file)
     corners = np.concatenate([piece.corners for thing in held.things for piece in thing.pieces])
     longest = float(np.ptp(corners, axis=0).max())
     if size is not None and longest > 0.0:
@@ -186,7 +186,7 @@ def _left_out(held: Held, matrix: Floats) -> list[str]:
     return [*said, *([f"left out {more} more that are not printed"] if more else [])]
 
 
-def _held(file: Path) -> Held:
+def _checked_content(file: Path) -> Held:
     """What a file holds, in its units; at least one piece, with faces."""
     suffix = file.suffix.lower().lstrip(".")
     if not file.name.isprintable():
@@ -196,7 +196,7 @@ def _held(file: Path) -> Held:
             f"{file.name}: cannot read {_kind(suffix)}; open it in the program it was made with (a STEP file in FreeCAD or a slicer) and "
             f"export it as {', '.join(FORMATS)}"
         )
-    content = _tidied(_content(file), suffix)
+    content = _normalised_text(_content(file), suffix)
     if suffix != "3mf":
         check_claims(file.name, content, suffix)
     held = _parsed(file.name, content, suffix)
@@ -246,7 +246,7 @@ def _content(file: Path) -> bytes:
     return content
 
 
-def _tidied(content: bytes, suffix: str) -> bytes:
+def _normalised_text(content: bytes, suffix: str) -> bytes:
     """Text as trimesh reads it, which is stricter than the formats are; other files as they are."""
     if suffix in {"3mf", "glb"} or b"\0" in content:
         return content
@@ -348,7 +348,7 @@ def _check_size(name: str, vertices: Floats, factor: float) -> None:
     raise BadInput(f"{known}: {hint} how long it is to be, such as --size 120 for 120 mm")
 
 
-def _ask(name: str, mesh: SurfaceMesh, factor: float) -> None:
+def _check_plausible(name: str, mesh: SurfaceMesh, factor: float) -> None:
     """Refuse a part that can be printed hardly, if another unit makes a usual one of it; who means it so says its unit.
 
     Args:
@@ -363,12 +363,12 @@ def _ask(name: str, mesh: SurfaceMesh, factor: float) -> None:
     for unit, other in UNITS.items():
         times = other / factor
         if times > 1.0 and SMALL <= longest * times <= LARGEST and wall * times >= THIN:
-            fitting.append(f"--unit {unit} ({sides(mesh.vertices * times)})")
+            fitting.append(f"--unit {unit} ({size_words(mesh.vertices * times)})")
     own = next((unit for unit, other in UNITS.items() if other == factor), "")
     thin = f" with walls of {wall:.2g} mm all over" if wall < THIN else ""
     so = f"--unit {own} if it is so small" if own else f"--scale {factor:g} if it is so small"
     raise BadInput(
-        f"{name} would be {sides(mesh.vertices)}{thin}, which hardly anybody prints: say its unit, {', '.join([*fitting, so])}, "
+        f"{name} would be {size_words(mesh.vertices)}{thin}, which hardly anybody prints: say its unit, {', '.join([*fitting, so])}, "
         "or how long it is to be, such as --size 120"
     )
 

@@ -167,19 +167,13 @@ def corner_normals(mesh: SurfaceMesh, crease: float = 40.0, faces: NDArray[np.in
     normals = mesh.face_normals
     smooth = np.einsum("ij,ij->i", normals[corner // 3], normals[other // 3]) > math.cos(math.radians(crease))
     place, other = place[smooth], other[smooth]
-    weighted = np.repeat(normals, 3, axis=0) * _corner_angles(mesh).reshape(-1, 1)
+    ahead, behind = np.roll(mesh.corners, -1, axis=1) - mesh.corners, np.roll(mesh.corners, 1, axis=1) - mesh.corners
+    angles = np.arctan2(np.linalg.norm(np.cross(ahead, behind), axis=2), np.einsum("ijk,ijk->ij", ahead, behind))
+    weighted = np.repeat(normals, 3, axis=0) * angles.reshape(-1, 1)
     total = np.stack([np.bincount(place, weighted[other, axis], len(wanted)) for axis in range(3)], axis=1)
     length = np.linalg.norm(total, axis=1, keepdims=True)
     unit = np.divide(total, length, out=normals[wanted // 3], where=length > 1e-12)
     return unit.reshape(-1, 3, 3)
-
-
-def _corner_angles(mesh: SurfaceMesh) -> NDArray[np.float64]:
-    """Inner angles of the faces [rad], shape [face_count, 3]."""
-    ahead = np.roll(mesh.corners, -1, axis=1) - mesh.corners
-    behind = np.roll(mesh.corners, 1, axis=1) - mesh.corners
-    sine = np.linalg.norm(np.cross(ahead, behind), axis=2)
-    return np.asarray(np.arctan2(sine, np.einsum("ijk,ijk->ij", ahead, behind)))
 
 
 def lit(normals: Image, camera: Camera) -> Image:

@@ -65,7 +65,7 @@ def words(prompt: str) -> tuple[list[Word], list[str]]:
         if _is_eastern(token):
             count, means, guess = 1, [_listed(token, eastern)], ""
         else:
-            count, means, guess = _next(tokens, language)
+            count, means, guess = _next_word(tokens, language)
         read += [Word(" ".join(tokens[:count]) if not at else "", meaning) for at, meaning in enumerate(means)]
         notes += [guess] if guess else []
         del tokens[:count]
@@ -112,7 +112,7 @@ def _segmented(signs: str, languages: Sequence[str]) -> list[str]:
     return [*parts, unknown] if unknown else parts
 
 
-def _next(tokens: list[str], language: str) -> tuple[int, list[str], str]:
+def _next_word(tokens: list[str], language: str) -> tuple[int, list[str], str]:
     """How many tokens belong together, what they mean, and a note if that was guessed."""
     first = tokens[0]
     if first in MARKS:

@@ -70,7 +70,20 @@ def located(wanted: str, store: Path) -> Weights:
     """
     recorded = IDENTITY.fullmatch(wanted)
     if recorded:
-        return _recorded(recorded[1], recorded[2], store)
+        name, digest = recorded.groups()
+        own, place = os.environ.get(OWN_FOLDER, ""), store / PLACES / digest
+        here = [folder for folder in stored(store) if hashlib.sha256((folder / SUMS).read_bytes()).hexdigest() == digest]
+        here += [Path(place.read_text())] if place.is_file() else []
+        others = [Path(own)] if own else [folder for folder in stored(store) if folder.name == name]
+        for folder in (*here, *others):
+            if folder.is_dir() and verified(folder).digest == digest:
+                return Weights(folder, f"{name}@{digest}")
+        if others:
+            raise BadInput(
+                f"this run was made with the CLIP weights {name}@{digest}, but {others[0]} holds {verified(others[0]).identity}: "
+                f"name the right folder with --clip or ${OWN_FOLDER}"
+            )
+        raise _missing(name)
     found = verified(_asked_for(wanted, store))
     if found.folder.parent != store:
         write_whole(store / PLACES / found.digest, str(found.folder.resolve()).encode())
@@ -91,23 +104,6 @@ def _asked_for(wanted: str, store: Path) -> Path:
         return path
     if name not in KNOWN:
         raise unknown("CLIP model", name, {*KNOWN, *(folder.name for folder in stored(store))})
-    raise _missing(name)
-
-
-def _recorded(name: str, digest: str, store: Path) -> Weights:
-    """The weights a recipe recorded, wherever they are and whatever they are called here."""
-    own, place = os.environ.get(OWN_FOLDER, ""), store / PLACES / digest
-    here = [folder for folder in stored(store) if hashlib.sha256((folder / SUMS).read_bytes()).hexdigest() == digest]
-    here += [Path(place.read_text())] if place.is_file() else []
-    others = [Path(own)] if own else [folder for folder in stored(store) if folder.name == name]
-    for folder in (*here, *others):
-        if folder.is_dir() and verified(folder).digest == digest:
-            return Weights(folder, f"{name}@{digest}")
-    if others:
-        raise BadInput(
-            f"this run was made with the CLIP weights {name}@{digest}, but {others[0]} holds {verified(others[0]).identity}: "
-            f"name the right folder with --clip or ${OWN_FOLDER}"
-        )
     raise _missing(name)
 
 
@@ -219,33 +215,25 @@ def _from_hub(repository: str, file: str, folder: Path) -> str:
     """Download one file; of large files the hub publishes the SHA-256."""
     from huggingface_hub import HfApi, hf_hub_download  # noqa: PLC0415 — part of the optional libraries
 
+    hub = HfApi()
     try:
-        revision = _revision_with(file, repository)
-        path = hf_hub_download(repository, file, revision=revision, local_dir=folder)
-        (about,) = HfApi().get_paths_info(repository, [file], revision=revision)
-    except MissingPiece:
-        raise
+        revision, path = "main", ""
+        about: object = None
+        if not hub.file_exists(repository, file):  # the hub keeps its own conversion to safetensors as a pull request
+            proposals = hub.get_repo_discussions(repository, author="SFconvertbot", discussion_type="pull_request")
+            revisions = (each.git_reference for each in proposals if each.git_reference)
+            revision = next((one for one in revisions if hub.file_exists(repository, file, revision=one)), "")
+        if revision:
+            path = hf_hub_download(repository, file, revision=revision, local_dir=folder)
+            (about,) = hub.get_paths_info(repository, [file], revision=revision)
     except Exception as error:  # what a lost connection raises depends on the HTTP library that the hub's client uses
         reason = (str(error).strip().splitlines() or [type(error).__name__])[0]
         raise MissingPiece(f"{file} of {repository} could not be fetched ({reason}): check the connection and try again") from error
+    if not revision:
+        raise MissingPiece(f"{repository} has no {file}, and no other kind of file is read: name a folder of your own with --clip")
     assert Path(path) == folder / file
     large = getattr(about, "lfs", None)
     return large.sha256 if large is not None else ""
-
-
-def _revision_with(file: str, repository: str) -> str:
-    """The main revision, or where it lacks a safetensors file the hub's own conversion of it, which is kept as a pull request."""
-    from huggingface_hub import HfApi  # noqa: PLC0415
-
-    hub = HfApi()
-    if hub.file_exists(repository, file):
-        return "main"
-    proposals = hub.get_repo_discussions(repository, author="SFconvertbot", discussion_type="pull_request")
-    revisions = (each.git_reference for each in proposals if each.git_reference)
-    found = next((revision for revision in revisions if hub.file_exists(repository, file, revision=revision)), None)
-    if found is None:
-        raise MissingPiece(f"{repository} has no {file}, and no other kind of file is read: name a folder of your own with --clip")
-    return found
 
 
 LIBRARIES = ("torch", "transformers", "safetensors")

@@ -80,7 +80,7 @@ def girih(canvas: Canvas) -> Relief:
     """Straps that cross over and under each other and leave eight-pointed stars and crosses."""
     unit = canvas.unit("straps", STRAP * STAR, edges=3.2)
     bond = canvas.bond(STAR * unit, STAR * unit, shift=0.0)
-    over, under = strapped(bond)
+    over, under = girih_straps(bond)
     x, y = np.abs(bond.x), np.abs(bond.y)
     square, turned = np.maximum(x, y), (x + y) / 2.0**0.5  # each below 8^-½ within one of the two squares that make a large star
     star = smoothstep(0.205, 0.180, np.minimum(square, turned))
@@ -96,7 +96,7 @@ def girih(canvas: Canvas) -> Relief:
     return Relief(canvas.softened(-0.90 + lift + 0.06 * glaze), canvas.softened(mix(mix(blue, rgb("d9a441"), star), white, strap)))
 
 
-def strapped(bond: Bond) -> tuple[Floats, Floats]:
+def girih_straps(bond: Bond) -> tuple[Floats, Floats]:
     """Lines of the star and cross pattern: a square in each cell, and diagonals through the middles of its sides.
 
     Returns:
@@ -122,7 +122,7 @@ CELL, KNOT_BAND = 46.0, 0.32  # a cell holds eight crossings; width of a band ov
 def celtic_knot(canvas: Canvas) -> Relief:
     """Slanting bands with a furrow along their middle, the lower one diving under the upper one where they cross."""
     unit = canvas.unit("bands of the knot", 0.35 * KNOT_BAND * CELL, edges=2.2)
-    over, under, away = woven(canvas.bond(CELL * unit, CELL * unit, shift=0.0))
+    over, under, away = interlaced(canvas.bond(CELL * unit, CELL * unit, shift=0.0))
     top, low = (smoothstep(0.5 * KNOT_BAND + 0.04, 0.5 * KNOT_BAND - 0.04, aside) for aside in (over, under))
     dive = smoothstep(0.5 * KNOT_BAND + 0.20, 0.5 * KNOT_BAND + 0.05, over)
     furrow = smoothstep(0.05, 0.0, np.where(top > 0.5, over, under))
@@ -135,7 +135,7 @@ def celtic_knot(canvas: Canvas) -> Relief:
     return Relief(canvas.softened(-1.0 + lift + 0.05 * patina), canvas.softened(mix(ground, gold, band)))
 
 
-def woven(bond: Bond) -> tuple[Floats, Floats, Floats]:
+def interlaced(bond: Bond) -> tuple[Floats, Floats, Floats]:
     """Two sets of slanting bands, eight crossings a cell; at two of these they are cut and joined to arcs, which closes them to knots.
 
     Returns:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from mechstyle.records.mesh import Floats
 from mechstyle.styling.drawing.canvas import Canvas
 from mechstyle.styling.drawing.colours import mix, ramp, rgb, smoothstep
 from mechstyle.styling.drawing.tilings import dome, folded
@@ -87,7 +86,9 @@ def tartan(canvas: Canvas) -> Relief:
     unit = canvas.unit("lines of the sett", 0.08 * SETT, edges=1.6)
     bond = canvas.bond(SETT * unit, SETT * unit, shift=0.0)
     twill = 0.5 + 0.5 * np.cos(2.0 * np.pi * 6.0 * (bond.x + bond.y))
-    broad, line = zip(*(_sett(np.abs(phase)) for phase in (bond.x, bond.y)), strict=True)
+    away = np.abs(bond.x), np.abs(bond.y)  # from the middle of the sett
+    broad = [smoothstep(0.16, 0.19, one) * smoothstep(0.37, 0.34, one) for one in away]
+    line = [smoothstep(0.055, 0.030, one) for one in away]
     wool = canvas.noise(6.0 * unit, 2, "wool")
     height = -0.95 + 0.55 * (broad[0] + broad[1]) + 0.85 * np.maximum(*line) + 0.24 * twill + 0.08 * wool
     colour = np.tile(rgb("a3202b"), (len(wool), 1))
@@ -98,11 +99,6 @@ def tartan(canvas: Canvas) -> Relief:
     for thread in line:
         colour = mix(colour, rgb("f0d76a"), (0.65 + 0.3 * twill) * thread)
     return Relief(canvas.softened(height), canvas.softened(np.clip(colour, 0.0, 1.0)))
-
-
-def _sett(away: Floats) -> tuple[Floats, Floats]:
-    """Broad bands and thin lines of a sett at a distance from its middle, in [0, ½], shape [n] each."""
-    return smoothstep(0.16, 0.19, away) * smoothstep(0.37, 0.34, away), smoothstep(0.055, 0.030, away)
 
 
 LENGTH, HEIGHT, BUTTON = 24.0, 30.0, 2.9
