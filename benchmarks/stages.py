@@ -29,10 +29,10 @@ from mechstyle.fea.drop import DropTest, drop
 from mechstyle.fea.orientations import directions
 from mechstyle.gallery import make
 from mechstyle.geometry.morph import Morph
-from mechstyle.geometry.proximity import Transfer
 from mechstyle.geometry.remeshing.evening import even
 from mechstyle.geometry.remeshing.filling import KEPT, fill
 from mechstyle.geometry.thickness import local_thickness
+from mechstyle.geometry.transfer import Transfer
 from mechstyle.loop.events import Event, Stylized
 from mechstyle.records.material import LIBRARY
 from mechstyle.records.mesh import STANDARD_VERTICES, SurfaceMesh, TetMesh

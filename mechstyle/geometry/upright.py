@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from mechstyle.errors import unknown
-from mechstyle.geometry.level_base import resting_face
+from mechstyle.geometry.resting_face import resting_face
 from mechstyle.records.mesh import Floats, SurfaceMesh
 
 UPS = ("z", "-z", "y", "-y", "x", "-x")

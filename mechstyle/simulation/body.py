@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from mechstyle.fea.stressed_volume import Walls
 from mechstyle.geometry.level_base import LevelBase
 from mechstyle.geometry.morph import Morph, Morphed
-from mechstyle.geometry.proximity import SurfaceMean, Transfer
 from mechstyle.geometry.thickness import local_thickness
+from mechstyle.geometry.transfer import SurfaceMean, Transfer
 from mechstyle.records.chapters import Transfer as TransferName
 from mechstyle.records.mesh import Floats, SurfaceMesh, TetMesh
 from mechstyle.records.simulation import LEAST_CARRIED, VOLUME_ERROR

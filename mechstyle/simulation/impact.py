@@ -13,7 +13,7 @@ from mechstyle.fea.orientations import UP
 from mechstyle.fea.snapshots import Snapshots, snapshots
 from mechstyle.fea.stressed_volume import at_nodes
 from mechstyle.geometry.morph import Morph
-from mechstyle.geometry.proximity import SurfaceMean, Transfer
+from mechstyle.geometry.transfer import SurfaceMean, Transfer
 from mechstyle.loop.objects import Memo
 from mechstyle.records import Recipe
 from mechstyle.records.mesh import Floats, SurfaceMesh, TetMesh

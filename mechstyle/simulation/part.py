@@ -18,10 +18,11 @@ from mechstyle.errors import BadInput, unknown
 from mechstyle.fea.explicit import no_progress
 from mechstyle.geometry.cancelling import CancelCheck, meanwhile, never_cancel
 from mechstyle.geometry.inside_outside import is_container, is_inside, sky_seen
-from mechstyle.geometry.level_base import LevelBase, resting_face
+from mechstyle.geometry.level_base import LevelBase
 from mechstyle.geometry.region_selection import protection
 from mechstyle.geometry.remeshing import even as standardise
 from mechstyle.geometry.remeshing.filling import VERSION as TETRAHEDRA
+from mechstyle.geometry.resting_face import resting_face
 from mechstyle.geometry.subdivision import refined_to
 from mechstyle.geometry.thickness import local_thickness
 from mechstyle.loop import minimum_wall as walls

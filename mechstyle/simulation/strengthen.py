@@ -19,8 +19,8 @@ from mechstyle.errors import BadInput
 from mechstyle.fea.drop import resolve_device
 from mechstyle.fea.explicit import no_progress
 from mechstyle.geometry.cancelling import CancelCheck, never_cancel
-from mechstyle.geometry.level_base import resting_weight
 from mechstyle.geometry.region_selection import protection
+from mechstyle.geometry.resting_face import resting_weight
 from mechstyle.pictures import fields
 from mechstyle.pictures.panels import Picture, field_panel, picture
 from mechstyle.records import Recipe, Simulation, Verdict, judge

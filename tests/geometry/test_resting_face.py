@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from manifold3d import Manifold, OpType
 
-from mechstyle.geometry.level_base import resting_face, resting_weight
 from mechstyle.geometry.remeshing.evening import surface_of
+from mechstyle.geometry.resting_face import resting_face, resting_weight
 from mechstyle.records.mesh import SurfaceMesh
 
 

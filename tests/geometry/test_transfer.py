@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mechstyle.errors import BadInput
-from mechstyle.geometry.proximity import Transfer
+from mechstyle.geometry.transfer import Transfer
 from mechstyle.records.mesh import SurfaceMesh
 
 

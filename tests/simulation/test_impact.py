@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from mechstyle.fea.orientations import UP
 from mechstyle.fea.snapshots import Snapshots
 from mechstyle.fea.stressed_volume import at_nodes
-from mechstyle.geometry.proximity import SurfaceMean, Transfer
+from mechstyle.geometry.transfer import SurfaceMean, Transfer
 from mechstyle.loop.objects import Memo, Objects
 from mechstyle.records import Recipe
 from mechstyle.records.material import LIBRARY

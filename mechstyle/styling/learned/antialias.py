@@ -17,8 +17,7 @@ from collections.abc import Callable
 
 import torch
 
-from mechstyle.styling.learned.rows import placed, taken
-from mechstyle.styling.learned.tensors import parting_edges
+from mechstyle.styling.learned.tensors import parting_edges, placed, taken
 
 MOST_PARTED = 8
 """One in so many pairs of neighbours may be parted where shapes may not depend on the picture; of a lampshade at 224² one in 87 is."""

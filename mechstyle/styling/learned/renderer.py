@@ -21,8 +21,7 @@ except ModuleNotFoundError as error:
     raise MissingPiece("rendering with gradients needs torch: install it with `pip install 'mechstyle[clip]'`") from error
 
 from mechstyle.styling.learned.antialias import antialiased
-from mechstyle.styling.learned.rows import added, taken
-from mechstyle.styling.learned.tensors import edges_of, face_of, nearest_faces
+from mechstyle.styling.learned.tensors import added, edges_of, face_of, nearest_faces, taken
 
 __all__ = ["Cameras", "Rendered", "Renderer", "random_views"]
 

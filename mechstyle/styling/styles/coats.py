@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from mechstyle.records.mesh import Floats
-from mechstyle.styling.drawing.canvas import Canvas
+from mechstyle.styling.drawing.canvas import Canvas, dome, folded
 from mechstyle.styling.drawing.colours import mix, ramp, rgb, smoothstep
-from mechstyle.styling.drawing.tilings import dome, folded
 from mechstyle.styling.style import Relief, style
 
 LOCK, LENGTH, ROSETTE, PATCH, STRIPE, BLOTCH, HATCH = 12.0, 30.0, 17.0, 27.0, 15.0, 40.0, 5.2

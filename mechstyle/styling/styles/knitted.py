@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from mechstyle.records.mesh import Floats
-from mechstyle.styling.drawing.canvas import Canvas
+from mechstyle.styling.drawing.canvas import Canvas, dome
 from mechstyle.styling.drawing.colours import ramp
-from mechstyle.styling.drawing.tilings import dome
 from mechstyle.styling.style import Relief, style
 
 KNIT_LENGTH, KNIT_HEIGHT = 13.0, 8.5

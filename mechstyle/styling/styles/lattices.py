@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from mechstyle.styling.drawing.canvas import Canvas
+from mechstyle.styling.drawing.canvas import Canvas, dome, folded
 from mechstyle.styling.drawing.colours import mix, ramp, rgb, smoothstep
-from mechstyle.styling.drawing.tilings import dome, folded
 from mechstyle.styling.style import Relief, style
 
 HONEYCOMB_CELL, WALL = 15.0, 3.6

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from mechstyle.styling.drawing.canvas import Canvas
+from mechstyle.styling.drawing.canvas import Canvas, folded
 from mechstyle.styling.drawing.colours import mix, ramp, rgb, smoothstep
-from mechstyle.styling.drawing.tilings import folded
 from mechstyle.styling.style import Relief, style
 
 LENGTH, HEIGHT, JOINT = 22.0, 10.0, 3.4

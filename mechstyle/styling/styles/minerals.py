@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from mechstyle.styling.drawing.canvas import Canvas
+from mechstyle.styling.drawing.canvas import Canvas, dome
 from mechstyle.styling.drawing.colours import mix, ramp, rgb, smoothstep
-from mechstyle.styling.drawing.tilings import dome
 from mechstyle.styling.style import Relief, style
 
 SHARD = 25.0  # length of a crystal

@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from mechstyle.records.mesh import Floats
-from mechstyle.styling.drawing.canvas import Bond, Canvas
+from mechstyle.styling.drawing.canvas import Bond, Canvas, dome, folded
 from mechstyle.styling.drawing.colours import mix, ramp, rgb, smoothstep
-from mechstyle.styling.drawing.tilings import dome, folded
 from mechstyle.styling.style import Relief, style
 
 FLUTE, PLEAT, TWIST, KEY, STAR = 11.0, 12.0, 19.0, 3.6, 44.0

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from mechstyle.styling.drawing.canvas import Canvas
+from mechstyle.styling.drawing.canvas import Canvas, beneath, fans, folded, hanging, own_of_scales
 from mechstyle.styling.drawing.colours import mix, ramp, rgb, smoothstep
-from mechstyle.styling.drawing.tilings import beneath, fans, folded, hanging, own_of_scales
 from mechstyle.styling.style import Relief, style
 
 DRAGON_LENGTH, DRAGON_HEIGHT, DRAGON_LIP = 20.0, 14.0, 3.2

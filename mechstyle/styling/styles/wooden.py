@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from mechstyle.records.mesh import Floats
-from mechstyle.styling.drawing.canvas import Canvas
+from mechstyle.styling.drawing.canvas import Canvas, dome
 from mechstyle.styling.drawing.colours import mix, ramp, rgb, smoothstep
-from mechstyle.styling.drawing.tilings import dome
 from mechstyle.styling.style import Relief, style
 
 RING, KNOT, TAPER = 9.0, 10.0, 0.50

@@ -5,7 +5,7 @@ import pytest
 import torch
 
 from mechstyle.styling.learned.clip import Clip
-from mechstyle.styling.learned.clip_guidance import ClipGuidance
+from mechstyle.styling.learned.guidance import ClipGuidance
 from mechstyle.styling.learned.renderer import Renderer
 from mechstyle.styling.learned.style_field import StyleField
 from mechstyle.styling.learned.stylizer import FIELD_RATE, WARM_UP, NeuralStylizer
