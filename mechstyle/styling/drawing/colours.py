@@ -37,7 +37,7 @@ def mix(first: ArrayLike, second: ArrayLike, share: Floats) -> Floats:
 
 
 def ramp(colours: list[str], place: Floats) -> Floats:
-    """Colours along an evenly spaced list of hexadecimal codes, for places in [0, 1], shape [n, 3]."""
+    """Colours along an evenly spaced list of hexadecimal codes, the first up to place 0 and the last from 1 on, shape [n, 3]."""
     table = np.array([rgb(code) for code in colours])
     stops = np.linspace(0.0, 1.0, len(table))
     return np.stack([np.interp(place, stops, table[:, channel]) for channel in range(3)], axis=1)

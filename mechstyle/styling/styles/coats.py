@@ -31,7 +31,7 @@ def fur(canvas: Canvas) -> Relief:
     raised = -0.9 + 1.9 * down - 1.3 * aside**2 * smoothstep(0.1, 0.6, down) + 0.85 * strand * np.clip(2.5 * half / LOCK, 0.0, 1.0)
     front = np.where(there, down, -1.0).argmax(axis=1)[:, None]  # tips lie over roots
     height, hair = (np.take_along_axis(field, front, axis=1)[:, 0] for field in (np.where(there, raised, -0.9), strand))
-    tone = np.clip(0.30 + 0.35 * height + 0.14 * hair, 0.0, 1.0)
+    tone = 0.30 + 0.35 * height + 0.14 * hair
     coat = canvas.painted(ramp(["3b2615", "7a532f", "b98d58", "e8cfa2"], tone))
     return Relief(canvas.softened(np.clip(height, -1.05, 1.1)), canvas.softened(coat))
 
@@ -49,7 +49,7 @@ def leopard(canvas: Canvas) -> Relief:
     blots = 0.5 + 0.5 * np.cos(np.where(own < 0.5, 3.0, 4.0) * angle)
     ring = smoothstep(0.36, 0.20, np.abs(reach - 0.62) + 0.20 * (1.0 - blots)) * smoothstep(0.2, 0.5, spots.facing[:, 0])
     heart = smoothstep(0.62, 0.40, reach) * (1.0 - ring)
-    coat = ramp(["b9772c", "d8a252", "ecc98a"], np.clip(0.5 + 0.4 * hair + 0.3 * uneven, 0.0, 1.0))
+    coat = ramp(["b9772c", "d8a252", "ecc98a"], 0.5 + 0.4 * hair + 0.3 * uneven)
     colour = mix(mix(canvas.painted(coat), canvas.painted(coat) * 0.62, heart), rgb("1c120b"), ring)
     return Relief(canvas.softened(-0.60 + 1.55 * ring - 0.35 * heart + 0.14 * hair), canvas.softened(colour))
 
@@ -63,8 +63,8 @@ def giraffe(canvas: Canvas) -> Relief:
     hair, own = _hair(canvas, unit), canvas.random(patches.identity, "own") - 0.5
     edge = patches.edge / unit
     patch, middle = smoothstep(1.3, 3.1, edge), smoothstep(3.0, 0.45 * PATCH, edge)
-    brown = ramp(["4a2510", "7c421c", "a9652c", "c88a48"], np.clip(0.60 - 0.45 * middle + 0.30 * own + 0.20 * hair, 0.0, 1.0))
-    cream = ramp(["d9bd8c", "f0dcb4"], np.clip(0.5 + 0.4 * hair, 0.0, 1.0))
+    brown = ramp(["4a2510", "7c421c", "a9652c", "c88a48"], 0.60 - 0.45 * middle + 0.30 * own + 0.20 * hair)
+    cream = ramp(["d9bd8c", "f0dcb4"], 0.5 + 0.4 * hair)
     return Relief(
         canvas.softened(-0.90 + patch * (1.45 + 0.35 * middle + 0.20 * own) + 0.14 * hair),
         canvas.softened(mix(cream, canvas.painted(brown), patch)),
@@ -81,8 +81,8 @@ def zebra(canvas: Canvas) -> Relief:
     wave = np.cos(2.0 * np.pi * (phase + 1.6 * sway) + np.arctan2(other, one))
     full, hair = smoothstep(0.0, 0.10, np.hypot(one, other)), _hair(canvas, unit)
     stripe = smoothstep(-0.22, 0.34, wave * full + 0.25 * canvas.noise(18.0 * unit, 2, "width"))
-    white = canvas.painted(ramp(["d8d2c4", "f6f3ea"], np.clip(0.5 + 0.5 * hair, 0.0, 1.0)))
-    black = ramp(["0d0c0c", "2a2624"], np.clip(0.5 + 0.5 * hair, 0.0, 1.0))
+    white = canvas.painted(ramp(["d8d2c4", "f6f3ea"], 0.5 + 0.5 * hair))
+    black = ramp(["0d0c0c", "2a2624"], 0.5 + 0.5 * hair)
     return Relief(canvas.softened(-0.80 + 1.60 * stripe + 0.14 * hair), canvas.softened(mix(white, black, stripe)))
 
 
@@ -127,6 +127,6 @@ def leather(canvas: Canvas) -> Relief:
     patina, own = canvas.noise(36.0 * unit, 3, "patina"), canvas.random(grain.identity, "tone") - 0.5
     swell = smoothstep(0.4, 2.4, seam) * (1.0 + 0.35 * smoothstep(12.0, 3.0, seam)) - 0.75 * smoothstep(3.2, 2.0, np.abs(seam - 5.2))
     height = -1.0 + 0.75 * swell + 1.25 * cushion * (1.0 - sewn) + 0.45 * sewn + 1.35 * thread + 0.10 * own * cushion
-    tone = np.clip(0.30 + 0.36 * cushion + 0.22 * patina + 0.16 * own - 0.30 * (seam < 1.5), 0.0, 1.0)
+    tone = 0.30 + 0.36 * cushion + 0.22 * patina + 0.16 * own - 0.30 * (seam < 1.5)
     hide = canvas.painted(ramp(["5a2f1a", "8a4c27", "b06c3c", "d09a66"], tone))
     return Relief(canvas.softened(height), canvas.softened(mix(hide, rgb("ecd9b0"), smoothstep(0.2, 0.5, thread))))

@@ -53,7 +53,7 @@ def low_poly(canvas: Canvas) -> Relief:
     rise = 0.75 + 0.50 * canvas.random(fans.identity, "rise")
     height = -1.0 + np.minimum(3.0 * rise * fans.edge / (0.8 * FACET * unit), 2.4)
     facet = canvas.random(fans.facet, "facet")
-    tone = np.clip(0.20 + 0.20 * rise + 0.70 * (facet - 0.2), 0.0, 1.0)
+    tone = 0.20 + 0.20 * rise + 0.70 * (facet - 0.2)
     colour = ramp(["17525c", "23818a", "4fb3a5", "a8dfc0", "f0f4d6"], tone)
     return Relief(height, canvas.softened(canvas.painted(colour)))
 
@@ -71,7 +71,7 @@ def topographic(canvas: Canvas) -> Relief:
     away = folded(step) / np.maximum(canvas.softened(canvas.operators.slope(step)), 0.3 / (HILL * unit))
     line = smoothstep(0.75 * LINE * unit, 0.20 * LINE * unit, away) * (np.round(step) > 0.0) * (np.round(step) < LEVELS)
     level = (np.floor(step + 0.5) + smoothstep(-0.5, 0.5, step - np.floor(step + 0.5))) / LEVELS
-    colour = ramp(["2f6f8f", "6fb0a8", "8fbf7a", "d6d08a", "c79a62", "9a6a4a", "f2efe8"], np.clip(level, 0.0, 1.0))
+    colour = ramp(["2f6f8f", "6fb0a8", "8fbf7a", "d6d08a", "c79a62", "9a6a4a", "f2efe8"], level)
     colour = mix(canvas.painted(colour), rgb("4a3a2a"), 0.8 * line)
     return Relief(canvas.softened(-0.8 + 0.45 * level + 1.45 * line), canvas.softened(colour))
 
@@ -91,7 +91,7 @@ def paper(canvas: Canvas) -> Relief:
             fold = np.clip(pieces.edge / (0.26 * size * CREASE * unit), 0.0, 1.0)
             crumple += strength * np.where(canvas.random(pieces.identity, salt) < 0.5, 1.0, -1.0) * fold
     fibre = canvas.noise(40.0 * unit, 2, "fibre")
-    sheet = ramp(["bdb6a8", "e6e1d5", "fbf8f0"], np.clip(0.60 + 0.30 * crumple + 0.10 * fibre, 0.0, 1.0))
+    sheet = ramp(["bdb6a8", "e6e1d5", "fbf8f0"], 0.60 + 0.30 * crumple + 0.10 * fibre)
     return Relief(canvas.softened(1.05 * np.tanh(1.25 * crumple)), canvas.softened(canvas.painted(sheet)))
 
 
@@ -103,5 +103,5 @@ def fuzzy(canvas: Canvas) -> Relief:
     """Fuzzy skin: a surface roughened evenly, to be held and to hide layers."""
     unit = canvas.unit("grains of the skin", FUZZ, edges=1.8)
     grain = np.clip(2.6 * canvas.noise(FUZZ * unit, 1, "grain") + 0.4 * canvas.noise(1.9 * FUZZ * unit, 1, "coarse"), -1.0, 1.2)
-    tone = np.clip(0.5 + 0.22 * grain, 0.0, 1.0)
+    tone = 0.5 + 0.22 * grain
     return Relief(grain, canvas.softened(canvas.painted(ramp(["4c5a63", "71828c", "a3b1b8"], tone))))

@@ -30,7 +30,7 @@ def knit(canvas: Canvas) -> Relief:
     fluff = canvas.noise(6.0 * unit, 2, "fluff")
     heather = canvas.noise(40.0 * unit, 2, "heather")
     lift = np.max(legs, axis=0) * (1.0 - 0.55 * furrow)
-    tone = np.clip(0.02 + 0.85 * lift + 0.12 * fluff + 0.06 * heather, 0.0, 1.0)
+    tone = 0.02 + 0.85 * lift + 0.12 * fluff + 0.06 * heather
     colour = canvas.painted(ramp(["6b5a44", "a8947a", "d8c9b0", "f4ecdc"], tone))
     return Relief(canvas.softened(-1.1 + 2.2 * lift + 0.06 * fluff), canvas.softened(colour))
 
@@ -57,7 +57,7 @@ def cable_knit(canvas: Canvas) -> Relief:
     purl = dome(np.abs(beside) / 4.4) * (0.55 + 0.45 * np.cos(2.0 * np.pi * bond.y * TURN / 6.0))
     lift = np.maximum(cable, 0.62 * purl)
     fluff = canvas.noise(6.0 * unit, 2, "fluff")
-    tone = np.clip(0.10 + 0.55 * lift + 0.12 * fluff, 0.0, 1.0)
+    tone = 0.10 + 0.55 * lift + 0.12 * fluff
     colour = canvas.painted(ramp(["5e6b6a", "9caaa4", "d3d9cf", "f4f3ea"], tone))
     return Relief(canvas.softened(-1.05 + 1.55 * lift + 0.06 * fluff), canvas.softened(colour))
 
@@ -77,7 +77,7 @@ def crochet(canvas: Canvas) -> Relief:
     lift = strand * groove
     fluff = canvas.noise(6.0 * unit, 2, "fluff")
     heather = canvas.noise(45.0 * unit, 2, "heather")
-    tone = np.clip(0.02 + 0.82 * lift + 0.10 * fluff + 0.10 * heather, 0.0, 1.0)
+    tone = 0.02 + 0.82 * lift + 0.10 * fluff + 0.10 * heather
     colour = canvas.painted(ramp(["6a2238", "9f3a4e", "cf5f69", "eda3a0"], tone))
     return Relief(canvas.softened(-1.0 + 2.0 * lift + 0.06 * fluff), canvas.softened(colour))
 

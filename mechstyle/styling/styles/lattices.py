@@ -28,9 +28,9 @@ def honeycomb(canvas: Canvas) -> Relief:
     capped, full = smoothstep(0.74, 0.76, kind), smoothstep(0.34, 0.36, kind)
     wax = canvas.noise(7.0 * unit, 3, "wax")
     deep = smoothstep(0.5 * WALL, 0.45 * HONEYCOMB_CELL, border)
-    honey = ramp(["5a2604", "9a4c08", "d68212", "f0ae2c"], np.clip(0.15 + 0.40 * full + 0.30 * tone - 0.25 * deep * (1.0 - full), 0.0, 1.0))
-    cap = ramp(["b98436", "d6a957", "e6c480"], np.clip(0.5 + 0.5 * (tone - 0.5) + 0.45 * wax, 0.0, 1.0))
-    rim = ramp(["e0ac48", "f6d47c", "fff0bc"], np.clip(0.5 + 0.6 * wax, 0.0, 1.0))
+    honey = ramp(["5a2604", "9a4c08", "d68212", "f0ae2c"], 0.15 + 0.40 * full + 0.30 * tone - 0.25 * deep * (1.0 - full))
+    cap = ramp(["b98436", "d6a957", "e6c480"], 0.5 + 0.5 * (tone - 0.5) + 0.45 * wax)
+    rim = ramp(["e0ac48", "f6d47c", "fff0bc"], 0.5 + 0.6 * wax)
     floor = -0.90 + 0.45 * full + capped * (0.55 + 0.35 * deep + 0.20 * wax)
     height = floor + wall * (0.85 + 0.10 * wax - floor)
     colour = mix(mix(honey, cap, capped), rim, wall)
@@ -51,7 +51,7 @@ def voronoi(canvas: Canvas) -> Relief:
     deep = smoothstep(0.40 * VORONOI_RIB, 1.20 * VORONOI_RIB, edge)
     own = canvas.random(cells.identity, "tone") - 0.5
     drift = canvas.noise(70.0 * unit, 2, "drift")
-    floor = ramp(["33306b", "3f5f9e", "3f9fae", "7fcfa6", "e6e08c"], np.clip(0.5 + 0.75 * drift + 0.35 * own, 0.0, 1.0))
+    floor = ramp(["33306b", "3f5f9e", "3f9fae", "7fcfa6", "e6e08c"], 0.5 + 0.75 * drift + 0.35 * own)
     floor = floor * (1.10 - 0.50 * deep)[:, None]
     net = ramp(["d9d5cc", "f6f3ec"], smoothstep(0.3, 1.0, rib))
     height = -0.45 - 0.50 * deep + 1.40 * rib + 0.10 * own * deep
@@ -77,7 +77,7 @@ def isogrid(canvas: Canvas) -> Relief:
     boss, hole = smoothstep(1.25 * ISOGRID_RIB, 0.95 * ISOGRID_RIB, node), smoothstep(0.60 * ISOGRID_RIB, 0.30 * ISOGRID_RIB, node)
     raised = np.maximum(rib, boss)
     cloud = canvas.noise(50.0 * unit, 3, "cloud")
-    metal = ramp(["5d656d", "8b949c", "b8bfc5", "e6e9eb"], np.clip(0.20 + 0.60 * raised + 0.15 * cloud, 0.0, 1.0))
+    metal = ramp(["5d656d", "8b949c", "b8bfc5", "e6e9eb"], 0.20 + 0.60 * raised + 0.15 * cloud)
     colour = mix(canvas.painted(metal), rgb("2e3338"), 0.8 * hole)
     return Relief(canvas.softened(-1.0 + 1.75 * raised + 0.35 * boss - 0.9 * hole + 0.04 * cloud), canvas.softened(colour))
 
@@ -93,7 +93,7 @@ def grid(canvas: Canvas) -> Relief:
     away = (0.5 - np.maximum(np.abs(bond.x), np.abs(bond.y))) * PITCH
     bar = smoothstep(0.68 * BAR, 0.32 * BAR, away)
     baked = canvas.noise(30.0 * unit, 3, "baked")
-    crust = ramp(["8f5423", "bf7d36", "dfae62", "f3d79b"], np.clip(0.30 + 0.55 * bar + 0.25 * baked, 0.0, 1.0))
+    crust = ramp(["8f5423", "bf7d36", "dfae62", "f3d79b"], 0.30 + 0.55 * bar + 0.25 * baked)
     deep = smoothstep(0.3 * BAR, 0.5 * PITCH, away)
     return Relief(canvas.softened(-0.75 + 1.75 * bar - 0.30 * deep + 0.06 * baked), canvas.softened(canvas.painted(crust)))
 
@@ -122,8 +122,8 @@ def circuit(canvas: Canvas) -> Relief:
     hole = smoothstep(0.50, 0.22, np.hypot(x, y) / (1.05 * TRACK)) * (kind < 0.40)
     copper = np.max([*tracks, middle, pad], axis=0)
     mask = canvas.noise(30.0 * unit, 2, "mask")
-    board = canvas.painted(ramp(["0a3a22", "0f5230", "1a6b40"], np.clip(0.5 + 0.6 * mask, 0.0, 1.0)))
-    gold = ramp(["a87c2c", "d8b154", "f2d98c"], np.clip(0.45 + 0.35 * pad + 0.3 * mask, 0.0, 1.0))
+    board = canvas.painted(ramp(["0a3a22", "0f5230", "1a6b40"], 0.5 + 0.6 * mask))
+    gold = ramp(["a87c2c", "d8b154", "f2d98c"], 0.45 + 0.35 * pad + 0.3 * mask)
     colour = mix(mix(board, mix(rgb("3fae6a"), gold, pad), copper), rgb("10150f"), hole)
     height = -0.55 + 0.05 * mask + 0.95 * copper + 0.45 * pad - 1.20 * hole
     return Relief(canvas.softened(height), canvas.softened(colour))
@@ -151,6 +151,6 @@ def bubbles(canvas: Canvas) -> Relief:
             front = higher > height
             height, glint = np.where(front, higher, height), np.where(front, spark[:, k], glint)
             own = np.where(front, canvas.random(stamps.identity[:, k], f"hue {size}"), own)
-    tone = np.clip(0.15 + 0.30 * (height + 1.0) + 0.30 * (own - 0.5), 0.0, 1.0)
+    tone = 0.15 + 0.30 * (height + 1.0) + 0.30 * (own - 0.5)
     water = canvas.painted(ramp(["12507e", "2f8fc0", "7fcbe2", "d6f2f4"], tone))
     return Relief(canvas.softened(height), canvas.softened(mix(water, rgb("ffffff"), 0.75 * glint)))

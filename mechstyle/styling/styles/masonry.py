@@ -25,7 +25,7 @@ def brick(canvas: Canvas) -> Relief:
     tone = canvas.random(identity, "tone")
     bricks = 0.60 + 0.35 * canvas.random(identity, "set") + 0.22 * wear
     mortar = -0.65 + 0.10 * canvas.noise(4.0 * unit, 2, "mortar")
-    fired = ramp(["7a3026", "96402f", "a84a34", "b55a3e", "c67d58"], np.clip(tone + 0.22 * wear, 0.0, 1.0))
+    fired = ramp(["7a3026", "96402f", "a84a34", "b55a3e", "c67d58"], tone + 0.22 * wear)
     fired = fired * (1.0 + 0.14 * wear)[:, None]
     grime = 1.0 + 0.12 * canvas.noise(30.0 * unit, 3, "grime")
     colour = mix(rgb("d9d1c2"), canvas.painted(fired), smoothstep(0.25, 0.75, face)) * grime[:, None]
@@ -47,7 +47,7 @@ def stone(canvas: Canvas) -> Relief:
     grain = canvas.noise(3.5 * unit, 2, "grain")
     own = canvas.random(cells.identity, "height")
     top = 0.10 + 0.35 * own + 0.55 * rounding + 0.28 * rough
-    tone = np.clip(0.5 + 0.55 * (canvas.random(cells.identity, "tone") - 0.5) + 0.30 * rough + 0.15 * grain, 0.0, 1.0)
+    tone = 0.5 + 0.55 * (canvas.random(cells.identity, "tone") - 0.5) + 0.30 * rough + 0.15 * grain
     cool = ramp(["5d6064", "84878a", "a8aaaa", "cfcfca"], tone)
     warm = ramp(["65584a", "8f806c", "b3a48d", "d6cab4"], tone)
     body = mix(cool, warm, smoothstep(0.35, 0.65, canvas.random(cells.identity, "hue")))
@@ -73,7 +73,7 @@ def concrete(canvas: Canvas) -> Relief:
     hole, ring = smoothstep(1.1 * HOLE, 0.7 * HOLE, tie), np.exp(-(((tie - 1.35 * HOLE) / (0.35 * HOLE)) ** 2))
     stain = canvas.noise(40.0 * unit, 3, "stain")
     height = 0.05 + 0.80 * own + 0.50 * grain + 0.75 * seam - 0.95 * pore + 0.20 * ring - 1.25 * hole
-    grey = ramp(["6f6f6c", "96958f", "b5b3ab", "d0cec5"], np.clip(0.5 + 0.30 * stain + 0.30 * tone + 0.20 * grain, 0.0, 1.0))
+    grey = ramp(["6f6f6c", "96958f", "b5b3ab", "d0cec5"], 0.5 + 0.30 * stain + 0.30 * tone + 0.20 * grain)
     colour = mix(canvas.painted(grey), rgb("4c4b48"), np.maximum(0.55 * pore, 0.80 * hole))
     return Relief(canvas.softened(np.clip(height, -1.1, 1.3)), canvas.softened(colour))
 
@@ -101,7 +101,7 @@ def realistic(canvas: Canvas) -> Relief:
     dirt = smoothstep(0.0, 0.8, around - height)
     rubbed = smoothstep(0.05, 0.6, height - around)
     streak = smoothstep(0.0, 0.8, canvas.noise(11.0 * unit, 3, "streaks", at=canvas.points * [1.0, 1.0, 0.15]))
-    colour = ramp(["b29c7c", "c7b393", "d8c8ab", "e4d8c0"], np.clip(0.5 + 0.35 * broad + 0.35 * lumps, 0.0, 1.0))
+    colour = ramp(["b29c7c", "c7b393", "d8c8ab", "e4d8c0"], 0.5 + 0.35 * broad + 0.35 * lumps)
     colour = mix(colour, rgb("b58a6b"), 0.65 * worn)
     colour = mix(colour, rgb("96876d"), 0.45 * streak)
     colour = mix(colour, rgb("f2eadb"), 0.45 * rubbed)
@@ -127,7 +127,7 @@ def terracotta(canvas: Canvas) -> Relief:
     fire = canvas.noise(50.0 * unit, 2, "fire")
     bloom = smoothstep(0.10, 0.75, canvas.noise(26.0 * unit, 4, "bloom"))
     cut = np.maximum(groove, wave * slip)
-    clay = ramp(["8a4228", "b25a36", "c97248", "dd9468"], np.clip(0.52 + 0.35 * fire + 0.18 * grit + 0.16 * rings, 0.0, 1.0))
+    clay = ramp(["8a4228", "b25a36", "c97248", "dd9468"], 0.52 + 0.35 * fire + 0.18 * grit + 0.16 * rings)
     clay = mix(canvas.painted(clay), rgb("eed9bf"), 0.72 * slip)
     colour = mix(mix(clay, rgb("f0dfca"), 0.40 * bloom * (1.0 - slip)), rgb("7a351f"), 0.85 * cut)
     height = 0.10 + 0.62 * rings + 0.15 * lumps + 0.08 * grit + 0.50 * slip - 1.45 * cut
@@ -155,7 +155,7 @@ def herringbone(canvas: Canvas) -> Relief:
     own = canvas.random(canvas.pieces(to_joint > 0.6, rising), "own") - 0.5
     grain = np.where(rising, canvas.noise(4.0 * unit, 2, "rising"), canvas.noise(4.0 * unit, 2, "falling")) * 0.5
     grain += 0.4 * np.cos(2.0 * np.pi * (2.0 * across + 0.8 * own + 0.12 * canvas.noise(12.0 * unit, 2, "bend")))
-    oak = ramp(["5a351a", "8a5a2e", "b98449", "dcb47c"], np.clip(0.52 + 0.55 * own + 0.16 * rising + 0.16 * grain, 0.0, 1.0))
+    oak = ramp(["5a351a", "8a5a2e", "b98449", "dcb47c"], 0.52 + 0.55 * own + 0.16 * rising + 0.16 * grain)
     height = -1.0 + face * (1.55 + 0.55 * own + 0.12 * grain)
     return Relief(canvas.softened(height), canvas.softened(mix(rgb("2c190c"), canvas.painted(oak), face)))
 
@@ -174,8 +174,8 @@ def tiles(canvas: Canvas) -> Relief:
     own = canvas.random(canvas.pieces(inside > 1.0, small), "own") - 0.5
     crackle = canvas.noise(16.0 * unit, 3, "glaze")
     pillow = smoothstep(0.8, 0.30 * TILE, inside)
-    white = ramp(["cfd8da", "e9eeee", "fbfcfa"], np.clip(0.45 + 0.5 * own + 0.30 * pillow + 0.20 * crackle, 0.0, 1.0))
-    blue = ramp(["16345c", "245a94", "3f82bd"], np.clip(0.5 + 0.6 * own + 0.20 * crackle, 0.0, 1.0))
+    white = ramp(["cfd8da", "e9eeee", "fbfcfa"], 0.45 + 0.5 * own + 0.30 * pillow + 0.20 * crackle)
+    blue = ramp(["16345c", "245a94", "3f82bd"], 0.5 + 0.6 * own + 0.20 * crackle)
     colour = mix(rgb("a89f90"), mix(canvas.painted(white), blue, small.astype(float)), glaze)
     return Relief(canvas.softened(-1.0 + glaze * (1.35 + 0.30 * pillow + 0.30 * own + 0.50 * small)), canvas.softened(colour))
 
@@ -194,7 +194,7 @@ def shingles(canvas: Canvas) -> Relief:
     butt = smoothstep(0.98, 0.88, down)
     shadow = smoothstep(0.28, 0.02, down)
     height = -1.0 + board * butt * (0.45 + 1.25 * down + 0.45 * own + 0.20 * split) - 0.25 * shadow * board
-    cedar = ramp(["4b3a2d", "7b604a", "a98c70", "cdb79c"], np.clip(0.42 + 0.50 * own + 0.30 * down + 0.25 * split, 0.0, 1.0))
+    cedar = ramp(["4b3a2d", "7b604a", "a98c70", "cdb79c"], 0.42 + 0.50 * own + 0.30 * down + 0.25 * split)
     colour = mix(rgb("231913"), canvas.painted(cedar) * (1.0 - 0.45 * shadow)[:, None], board * butt)
     return Relief(canvas.softened(height), canvas.softened(colour))
 
@@ -205,7 +205,7 @@ def terrazzo(canvas: Canvas) -> Relief:
     unit = canvas.unit("chips", 0.35 * CHIP, edges=1.8)
     cement = canvas.noise(5.0 * unit, 2, "cement")
     height = -0.70 + 0.10 * cement
-    colour = canvas.painted(ramp(["d5d0c6", "efece4"], np.clip(0.5 + 0.5 * cement, 0.0, 1.0)))
+    colour = canvas.painted(ramp(["d5d0c6", "efece4"], 0.5 + 0.5 * cement))
     for size, salt in ((0.62 * CHIP, "small"), (1.35 * CHIP, "large")):
         chips = canvas.cells(size * unit, salt, at=canvas.warped(0.8 * size * unit, 0.10 * size * unit, salt))
         own = canvas.random(chips.identity, salt)

@@ -24,7 +24,7 @@ def hammered(canvas: Canvas) -> Relief:
     bowl = bowls.max(axis=1)
     rim = np.max(np.exp(-(((reach - 1.04) / 0.10) ** 2)), axis=1) * smoothstep(0.25, 0.0, bowl)
     cloud = canvas.noise(45.0 * unit, 2, "cloud")
-    tone = np.clip(0.70 - 0.50 * bowl + 0.20 * rim + 0.12 * cloud, 0.0, 1.0)
+    tone = 0.70 - 0.50 * bowl + 0.20 * rim + 0.12 * cloud
     steel = ramp(["3b424b", "68717b", "9aa2aa", "cbd0d4", "f2f3f2"], tone)
     colour = mix(canvas.painted(steel), rgb("fbfaf5"), 0.55 * rim)
     return Relief(canvas.softened(0.80 - 1.75 * bowl + 0.20 * rim), canvas.softened(colour))
@@ -41,7 +41,7 @@ def brushed_metal(canvas: Canvas) -> Relief:
     fine, coarse = canvas.noise(SCRATCH * unit, 2, "fine", at=level), canvas.noise(2.6 * SCRATCH * unit, 2, "coarse", at=level)
     cut = np.clip(2.6 * fine + 0.6 * coarse, -1.0, 1.0)
     sheen = canvas.noise(55.0 * unit, 2, "sheen", at=canvas.points * [1.0, 1.0, 0.5])
-    steel = ramp(["70767c", "9da3a8", "c3c8cb", "eceeee"], np.clip(0.52 + 0.38 * cut + 0.25 * sheen, 0.0, 1.0))
+    steel = ramp(["70767c", "9da3a8", "c3c8cb", "eceeee"], 0.52 + 0.38 * cut + 0.25 * sheen)
     return Relief(canvas.softened(0.05 + 1.05 * cut), canvas.softened(canvas.painted(steel)))
 
 
@@ -63,7 +63,7 @@ def damascus(canvas: Canvas) -> Relief:
     # Where layers lie too close for the mesh they melt into one grey, as the finest ones of a blade do to the eye.
     tone = 0.5 + (tone - 0.5) * smoothstep(0.85, 0.60, canvas.operators.slope(layer) * canvas.edge)
     brushed = canvas.noise(6.0 * unit, 2, "brushed", at=canvas.points * [1.0, 1.0, 0.3])
-    steel = ramp(["2c2f34", "5a5f66", "8b9097", "b9bdc2", "e4e6e7"], np.clip(0.04 + 0.92 * tone + 0.07 * brushed, 0.0, 1.0))
+    steel = ramp(["2c2f34", "5a5f66", "8b9097", "b9bdc2", "e4e6e7"], 0.04 + 0.92 * tone + 0.07 * brushed)
     return Relief(canvas.softened(-0.90 + 1.9 * tone + 0.05 * brushed), canvas.softened(canvas.painted(steel)))
 
 
@@ -83,9 +83,9 @@ def weathered(canvas: Canvas) -> Relief:
     curl = smoothstep(6.0, 1.6, crazed.edge / unit)  # paint curls up beside a crack
     lip = np.exp(-(((coat - 0.10) / 0.10) ** 2))
     rust = canvas.noise(8.0 * unit, 3, "rust")
-    bare = ramp(["3f2018", "6d3320", "9a4d28", "bd7440"], np.clip(0.45 + 0.55 * rust, 0.0, 1.0))
+    bare = ramp(["3f2018", "6d3320", "9a4d28", "bd7440"], 0.45 + 0.55 * rust)
     bleached = canvas.noise(24.0 * unit, 3, "bleached")
-    blue = ramp(["2f6470", "488894", "6ba8ae", "9cc8c6"], np.clip(0.5 + 0.45 * bleached + 0.12 * rust, 0.0, 1.0))
+    blue = ramp(["2f6470", "488894", "6ba8ae", "9cc8c6"], 0.5 + 0.45 * bleached + 0.12 * rust)
     stain = smoothstep(0.05, 0.70, canvas.noise(10.0 * unit, 3, "stains", at=canvas.points * [1.0, 1.0, 0.13]))
     near = smoothstep(0.55, 0.05, coat)
     coated = mix(mix(canvas.painted(blue), rgb("8a5a38"), 0.65 * stain * near), rgb("e2ebe4"), 0.55 * lip)
@@ -104,7 +104,7 @@ def knurling(canvas: Canvas) -> Relief:
     pyramid = np.minimum(0.5 - folded(bond.x + bond.y), 0.5 - folded(bond.x - bond.y)) * 2.0
     tip = smoothstep(0.0, 0.85, pyramid)
     worn = canvas.noise(30.0 * unit, 3, "worn")
-    colour = ramp(["23262a", "5b6168", "9aa1a8", "dfe3e6"], np.clip(0.05 + 0.85 * tip + 0.12 * worn, 0.0, 1.0))
+    colour = ramp(["23262a", "5b6168", "9aa1a8", "dfe3e6"], 0.05 + 0.85 * tip + 0.12 * worn)
     return Relief(canvas.softened(-1.0 + 2.3 * np.minimum(pyramid, 0.9) + 0.05 * worn), canvas.softened(canvas.painted(colour)))
 
 
@@ -125,9 +125,9 @@ def studs(canvas: Canvas) -> Relief:
     own = canvas.random(stamps.identity[:, 0], "tone") - 0.5
     # A bright spot up on the side of each dome, as polish would show under a lamp.
     glint = np.exp(-((x**2 + (y - 0.35 * STUD) ** 2) / (0.40 * STUD) ** 2))
-    metal = ramp(["6a4518", "a87a2c", "d8b04e", "f4dc90"], np.clip(0.15 + 0.60 * dome + 0.20 * own, 0.0, 1.0))
+    metal = ramp(["6a4518", "a87a2c", "d8b04e", "f4dc90"], 0.15 + 0.60 * dome + 0.20 * own)
     metal = mix(metal, rgb("fffbe6"), 0.70 * glint)
-    leather = ramp(["1e1512", "38261d", "553a2a", "6f4f3a"], np.clip(0.42 + 0.40 * hide + 0.25 * worn, 0.0, 1.0))
+    leather = ramp(["1e1512", "38261d", "553a2a", "6f4f3a"], 0.42 + 0.40 * hide + 0.25 * worn)
     colour = mix(mix(canvas.painted(leather), rgb("140d0a"), 0.7 * seat), metal, brass)
     height = -0.50 + 0.12 * hide - 0.30 * seat + brass * (0.35 + 1.15 * dome)
     return Relief(canvas.softened(height), canvas.softened(colour))
@@ -163,7 +163,7 @@ def diamond_plate(canvas: Canvas) -> Relief:
     bar = np.max(bars, axis=0)
     worn = canvas.noise(40.0 * unit, 3, "worn")
     scuffs = canvas.noise(4.0 * unit, 2, "scuffs")
-    steel = ramp(["6f767c", "99a0a6", "c6cbcf", "f0f2f3"], np.clip(0.25 + 0.65 * bar + 0.15 * worn + 0.12 * scuffs, 0.0, 1.0))
+    steel = ramp(["6f767c", "99a0a6", "c6cbcf", "f0f2f3"], 0.25 + 0.65 * bar + 0.15 * worn + 0.12 * scuffs)
     return Relief(canvas.softened(-0.60 + 1.60 * bar + 0.07 * scuffs), canvas.softened(canvas.painted(steel)))
 
 
@@ -180,7 +180,7 @@ def chainmail(canvas: Canvas) -> Relief:
     link = np.maximum(*links)
     oiled = canvas.noise(30.0 * unit, 3, "oiled")
     lift = np.maximum(1.35 * ring, 1.75 * link)
-    steel = ramp(["121315", "54595e", "9da3a8", "e6e9eb"], np.clip(0.06 + 0.50 * lift + 0.12 * oiled, 0.0, 1.0))
+    steel = ramp(["121315", "54595e", "9da3a8", "e6e9eb"], 0.06 + 0.50 * lift + 0.12 * oiled)
     return Relief(canvas.softened(-0.95 + 1.15 * lift + 0.05 * oiled), canvas.softened(canvas.painted(steel)))
 
 
@@ -210,7 +210,7 @@ def panels(canvas: Canvas) -> Relief:
     slats = (kind < 0.30) * smoothstep(1.6, 2.4, np.minimum(u, v)) * (0.5 + 0.5 * np.cos(2.0 * np.pi * y * 0.8 * HULL / 3.6))
     bolt = (kind > 0.60) * smoothstep(1.7, 0.9, np.hypot(u - 2.6, v - 2.6))
     grime = canvas.noise(18.0 * unit, 3, "grime")
-    grey = ramp(["59616a", "8b949c", "b9c0c5", "dde1e3"], np.clip(0.50 + 0.65 * own + 0.20 * grime - 0.25 * slats, 0.0, 1.0))
+    grey = ramp(["59616a", "8b949c", "b9c0c5", "dde1e3"], 0.50 + 0.65 * own + 0.20 * grime - 0.25 * slats)
     height = -1.0 + plate * (1.05 + 0.90 * own - 0.55 * slats) + 0.45 * bolt * plate
     return Relief(canvas.softened(height), canvas.softened(mix(rgb("1b2026"), canvas.painted(grey), plate)))
 
@@ -224,7 +224,7 @@ def spikes(canvas: Canvas) -> Relief:
     reach = np.minimum(np.hypot(x, y), np.hypot(0.5 * SPIKE - x, 0.866 * SPIKE - y)) / (0.5 * SPIKE)
     cone = np.clip(1.0 - reach, 0.0, 1.0)
     cloud = canvas.noise(30.0 * unit, 2, "cloud")
-    steel = ramp(["1c1d22", "33363d", "5d626b", "b9bec6"], np.clip(0.05 + 0.95 * cone**1.3 + 0.10 * cloud, 0.0, 1.0))
+    steel = ramp(["1c1d22", "33363d", "5d626b", "b9bec6"], 0.05 + 0.95 * cone**1.3 + 0.10 * cloud)
     return Relief(canvas.softened(-0.70 + 2.2 * cone**1.6 + 0.05 * cloud), canvas.softened(canvas.painted(steel)))
 
 
@@ -239,5 +239,5 @@ def grip(canvas: Canvas) -> Relief:
     lug = smoothstep(0.5, 1.5, 0.36 * LUG * 0.5 - across + 0.4) * smoothstep(0.6, 1.6, (0.5 - x) * LUG) * smoothstep(0.5, 1.5, x * LUG)
     sipe = smoothstep(0.9, 0.3, np.abs(np.abs(x - 0.25) * LUG - 1.6)) * lug
     worn = canvas.noise(6.0 * unit, 2, "worn")
-    rubber = ramp(["0e0f10", "26282a", "45484b"], np.clip(0.15 + 0.65 * lug - 0.30 * sipe + 0.20 * worn, 0.0, 1.0))
+    rubber = ramp(["0e0f10", "26282a", "45484b"], 0.15 + 0.65 * lug - 0.30 * sipe + 0.20 * worn)
     return Relief(canvas.softened(-0.90 + 1.80 * lug - 0.55 * sipe + 0.08 * worn), canvas.softened(canvas.painted(rubber)))

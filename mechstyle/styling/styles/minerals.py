@@ -21,7 +21,7 @@ def crystal(canvas: Canvas) -> Relief:
     facet = canvas.random(shards.facet, "facet")
     edge = shards.edge / (0.7 * SHARD * unit)
     height = -0.85 + (1.3 + 0.4 * own) * np.minimum(edge / 0.36, 1.1) + 0.42 * (own - 0.5)
-    tone = np.clip(0.10 + 0.70 * facet + 0.25 * own, 0.0, 1.0)
+    tone = 0.10 + 0.70 * facet + 0.25 * own
     colour = canvas.painted(ramp(["3a1f63", "6d3fa6", "a67ad2", "e4d2f5"], tone))
     colour = mix(colour, rgb("f4ecff"), 0.5 * smoothstep(0.34, 0.42, edge))
     return Relief(canvas.softened(height), canvas.softened(mix(colour, rgb("2a1548"), smoothstep(0.05, 0.0, edge))))
@@ -51,7 +51,7 @@ def marble(canvas: Canvas) -> Relief:
     vein = np.max([veins[0], 0.8 * veins[1], 0.6 * veins[2]], axis=0)
     halo = canvas.smoothed(vein, 7.0 * unit)
     sunk = canvas.smoothed(vein, 3.0 * unit)
-    white = ramp(["b4b8be", "dadbde", "f0efec", "faf8f3"], np.clip(0.82 + 0.35 * cloud - 0.85 * halo, 0.0, 1.0))
+    white = ramp(["b4b8be", "dadbde", "f0efec", "faf8f3"], 0.82 + 0.35 * cloud - 0.85 * halo)
     colour = mix(canvas.painted(white), rgb("565b64"), 0.85 * vein)
     colour = mix(colour, rgb("b8995f"), 0.50 * halo * smoothstep(0.0, 0.4, cloud))
     return Relief(canvas.softened(0.55 + 0.20 * uneven - 1.40 * vein - 0.45 * sunk), canvas.softened(colour))
@@ -73,7 +73,7 @@ def cracked_earth(canvas: Canvas) -> Relief:
     curl = smoothstep(0.40 * MUD_PLATE, 0.7 * CRACK, edge)
     own, dust = canvas.random(plates.identity, "tone") - 0.5, canvas.noise(9.0 * unit, 4, "dust")
     top = 0.10 + 0.55 * curl + 0.35 * own + 0.18 * dust - 0.65 * split
-    tone = np.clip(0.52 + 0.30 * own + 0.22 * curl + 0.28 * dust, 0.0, 1.0)
+    tone = 0.52 + 0.30 * own + 0.22 * curl + 0.28 * dust
     mud = canvas.painted(ramp(["80604a", "a78364", "c8a888", "e2cbae"], tone))
     dark = np.maximum(1.0 - plate, 0.75 * split)
     return Relief(canvas.softened(-1.0 + (1.0 + top) * plate), canvas.softened(mix(mud, rgb("382417"), dark)))
@@ -97,7 +97,7 @@ def ice(canvas: Canvas) -> Relief:
     icicle = dome(aside) * smoothstep(0.0, 0.10, width) * (0.60 + 0.40 * tip)
     ledge = dome(np.clip(np.abs(down - 0.09 - 0.05 * bent) / (0.14 + 0.03 * frost), 0.0, 1.0))
     body = np.maximum(icicle, 0.95 * ledge)
-    blue = ramp(["4f93bd", "8cc4e0", "cbe8f4", "f6fcfe"], np.clip(0.14 + 0.72 * body + 0.16 * frost, 0.0, 1.0))
+    blue = ramp(["4f93bd", "8cc4e0", "cbe8f4", "f6fcfe"], 0.14 + 0.72 * body + 0.16 * frost)
     return Relief(canvas.softened(-0.85 + 1.80 * body + 0.10 * frost), canvas.softened(canvas.painted(blue)))
 
 
@@ -117,7 +117,7 @@ def glass(canvas: Canvas) -> Relief:
     groove = smoothstep(3.0, 0.0, edge)
     flow = canvas.noise(45.0 * unit, 2, "flow")
     height = 0.35 + 0.75 * star - 1.35 * groove + 0.06 * flow
-    tone = np.clip(0.45 + 0.40 * star - 0.30 * groove + 0.25 * flow, 0.0, 1.0)
+    tone = 0.45 + 0.40 * star - 0.30 * groove + 0.25 * flow
     return Relief(canvas.softened(height), canvas.softened(canvas.painted(ramp(["5f9aa0", "a5d0d2", "d9eeee", "fbffff"], tone))))
 
 
@@ -134,6 +134,6 @@ def lava(canvas: Canvas) -> Relief:
     rope = np.abs(np.sin(np.pi * ((slope[:, 0] * np.cos(turn) + slope[:, 1] * np.sin(turn)) / (6.5 * unit) + 1.7 * bend)))
     rough = canvas.noise(6.0 * unit, 2, "rough")
     height = -1.05 + crust * (0.75 + 0.95 * rope + 0.22 * rough + 0.15 * smoothstep(3.0, 12.0, edge))
-    basalt = ramp(["141213", "2a2526", "4a4142"], np.clip(0.10 + 0.60 * rope + 0.25 * rough, 0.0, 1.0))
-    fire = ramp(["b3200a", "f0590e", "fdb52b", "fff0a0"], np.clip(smoothstep(4.5, 0.0, edge) + 0.15 * rough, 0.0, 1.0))
+    basalt = ramp(["141213", "2a2526", "4a4142"], 0.10 + 0.60 * rope + 0.25 * rough)
+    fire = ramp(["b3200a", "f0590e", "fdb52b", "fff0a0"], smoothstep(4.5, 0.0, edge) + 0.15 * rough)
     return Relief(canvas.softened(height), canvas.softened(mix(fire, canvas.painted(basalt), crust)))

@@ -24,7 +24,7 @@ def fluted(canvas: Canvas) -> Relief:
     bond = canvas.bond(FLUTE * unit, 4.0 * FLUTE * unit, shift=0.0)
     hollow = dome(np.clip(2.7 * np.abs(bond.x), 0.0, 1.0))  # flat fillets are left between
     chisel = canvas.noise(9.0 * unit, 3, "chisel")
-    tone = np.clip(0.90 - 0.45 * hollow + 0.18 * chisel + 0.15 * canvas.noise(50.0 * unit, 2, "sun"), 0.0, 1.0)
+    tone = 0.90 - 0.45 * hollow + 0.18 * chisel + 0.15 * canvas.noise(50.0 * unit, 2, "sun")
     marble = canvas.painted(ramp(["a59a86", "cfc6b4", "ece6d8", "fbf8f0"], tone))
     return Relief(canvas.softened(0.90 - 1.85 * hollow + 0.06 * chisel), canvas.softened(marble))
 
@@ -38,7 +38,7 @@ def pleats(canvas: Canvas) -> Relief:
     place = np.mod(bond.x + 0.22 * sway + 0.5, 1.0)
     fold = np.where(place < 0.84, place / 0.84, (1.0 - place) / 0.16)  # rises gently, and falls at once behind the crease
     soft = canvas.noise(14.0 * unit, 2, "soft")
-    tone = np.clip(0.12 + 0.75 * fold**1.3 + 0.12 * soft, 0.0, 1.0)
+    tone = 0.12 + 0.75 * fold**1.3 + 0.12 * soft
     cloth = canvas.painted(ramp(["5c2340", "93405f", "c97a92", "efc3cd"], tone))
     return Relief(canvas.softened(-0.95 + 1.95 * fold**1.5 + 0.06 * soft), canvas.softened(cloth))
 
@@ -50,7 +50,7 @@ def spiral(canvas: Canvas) -> Relief:
     bond = canvas.bond(1.6 * TWIST * unit, 1.15 * TWIST * unit, shift=0.0)
     strand = np.abs(np.cos(np.pi * (bond.x + bond.y)))
     fine = canvas.noise(30.0 * unit, 3, "fine")
-    gilt = ramp(["4a3414", "8e6a28", "cfa64c", "f5e2a4"], np.clip(0.08 + 0.75 * strand + 0.16 * fine, 0.0, 1.0))
+    gilt = ramp(["4a3414", "8e6a28", "cfa64c", "f5e2a4"], 0.08 + 0.75 * strand + 0.16 * fine)
     return Relief(canvas.softened(-1.05 + 2.05 * strand**0.7 + 0.06 * fine), canvas.softened(canvas.painted(gilt)))
 
 
@@ -70,7 +70,7 @@ def greek_key(canvas: Canvas) -> Relief:
             line += there * (1.0 - np.abs(x - left - right)) * (1.0 - np.abs(y - row))
     line = smoothstep(0.30, 0.70, line)
     glaze = canvas.noise(30.0 * unit, 3, "glaze")
-    ground = canvas.painted(ramp(["a8542c", "c9753f", "dc9560"], np.clip(0.5 + 0.5 * glaze, 0.0, 1.0)))
+    ground = canvas.painted(ramp(["a8542c", "c9753f", "dc9560"], 0.5 + 0.5 * glaze))
     return Relief(canvas.softened(-0.75 + 1.60 * line + 0.07 * glaze), canvas.softened(mix(ground, rgb("1d1614"), line)))
 
 
@@ -90,8 +90,8 @@ def girih(canvas: Canvas) -> Relief:
     strap = np.maximum(top, low)
     lift = np.maximum(np.maximum(1.90 * top, low * (1.75 - 0.90 * dive)), 0.95 * point) + 1.75 * star
     glaze = canvas.noise(18.0 * unit, 3, "glaze")
-    blue = ramp(["0f3f55", "14667c", "2d93a0"], np.clip(0.5 + 0.6 * glaze, 0.0, 1.0))
-    white = canvas.painted(ramp(["b7a888", "e8dcc2", "fbf5e6"], np.clip(0.25 + 0.35 * lift + 0.15 * glaze, 0.0, 1.0)))
+    blue = ramp(["0f3f55", "14667c", "2d93a0"], 0.5 + 0.6 * glaze)
+    white = canvas.painted(ramp(["b7a888", "e8dcc2", "fbf5e6"], 0.25 + 0.35 * lift + 0.15 * glaze))
     return Relief(canvas.softened(-0.90 + lift + 0.06 * glaze), canvas.softened(mix(mix(blue, rgb("d9a441"), star), white, strap)))
 
 
@@ -129,8 +129,8 @@ def celtic_knot(canvas: Canvas) -> Relief:
     arch = top * (1.65 + 0.35 * smoothstep(0.5, 0.0, away))
     lift = np.maximum(arch, low * (1.65 - 1.10 * dive)) - 0.35 * furrow * band
     patina = canvas.noise(30.0 * unit, 3, "patina")
-    ground = ramp(["0f2a22", "1c4a3a", "2f6b54"], np.clip(0.5 + 0.5 * patina, 0.0, 1.0))
-    gold = canvas.painted(ramp(["7a5a1c", "b88d34", "e2c067", "f6e6b0"], np.clip(0.05 + 0.45 * lift + 0.15 * patina, 0.0, 1.0)))
+    ground = ramp(["0f2a22", "1c4a3a", "2f6b54"], 0.5 + 0.5 * patina)
+    gold = canvas.painted(ramp(["7a5a1c", "b88d34", "e2c067", "f6e6b0"], 0.05 + 0.45 * lift + 0.15 * patina))
     return Relief(canvas.softened(-1.0 + lift + 0.05 * patina), canvas.softened(mix(ground, gold, band)))
 
 

@@ -28,7 +28,7 @@ def cactus(canvas: Canvas) -> Relief:
     star = smoothstep(1.0, 0.45, radius / reach)
     wool = smoothstep(3.2, 1.4, radius)
     skin = canvas.noise(9.0 * unit, 3, "skin")
-    tone = np.clip(0.12 + 0.75 * ridge + 0.22 * skin, 0.0, 1.0)
+    tone = 0.12 + 0.75 * ridge + 0.22 * skin
     green = ramp(["14401f", "266b33", "46964a", "86bd66"], tone)
     colour = mix(mix(canvas.painted(green), rgb("f6eecb"), star), rgb("b0813f"), wool)
     height = -0.95 + 0.95 * ridge + 0.50 * tubercle + 0.50 * star + 0.45 * wool + 0.06 * skin
@@ -132,7 +132,7 @@ def moss(canvas: Canvas) -> Relief:
     leaves = canvas.cells(MOSS_LEAF * unit, "leaves")
     leaf, own = np.clip(leaves.edge / (0.48 * MOSS_LEAF * unit), 0.0, 1.0), canvas.random(leaves.identity, "own") - 0.5
     damp = canvas.noise(35.0 * unit, 3, "damp")
-    tone = np.clip(0.05 + 0.50 * mound + 0.25 * leaf + 0.25 * own + 0.20 * damp, 0.0, 1.0)
+    tone = 0.05 + 0.50 * mound + 0.25 * leaf + 0.25 * own + 0.20 * damp
     colour = ramp(["1d2c10", "3f5a1c", "6c8a2c", "a3b84e", "cbd27c"], tone)
     height = -1.1 + 1.00 * mound + (0.45 + 0.75 * mound) * leaf * (0.9 + 0.3 * own)
     return Relief(canvas.softened(height), canvas.softened(canvas.painted(colour)))

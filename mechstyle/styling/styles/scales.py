@@ -28,7 +28,7 @@ def dragon_scales(canvas: Canvas) -> Relief:
     for scale in (beneath(upper), upper):
         keel = smoothstep(0.34, 0.0, scale.aside) * smoothstep(-1.0, 0.3, scale.down) * smoothstep(1.1, 0.5, scale.down)
         heights.append(0.95 * scale.down - 0.25 * scale.aside**2 + 0.60 * keel - 0.25 + 0.06 * horn + 0.10 * own)
-        body = ramp(["2a0d12", "64161d", "9c2723", "c64d2c"], np.clip(0.40 + 0.30 * scale.down + 0.30 * own + 0.12 * horn, 0.0, 1.0))
+        body = ramp(["2a0d12", "64161d", "9c2723", "c64d2c"], 0.40 + 0.30 * scale.down + 0.30 * own + 0.12 * horn)
         colours.append(canvas.painted(mix(body, rgb("e2b04c"), 0.35 * keel)))
     # The lip stands off and leaves a gap above the scale it covers.
     below, above = heights[0] - 0.45 * shade, heights[1] + 0.50 * rim
@@ -104,7 +104,7 @@ def waves(canvas: Canvas) -> Relief:
     foam = smoothstep(1.0, 0.7, arc)
     swell = canvas.noise(50.0 * unit, 2, "swell")
     spray = canvas.noise(6.0 * unit, 2, "spray")
-    tone = np.clip(0.08 + 0.45 * crest + 0.22 * swell + 0.30 * here * crest, 0.0, 1.0)
+    tone = 0.08 + 0.45 * crest + 0.22 * swell + 0.30 * here * crest
     sea = canvas.painted(ramp(["0f2c52", "1c4f82", "3a86b4", "8cc4d8"], tone))
     colour = mix(sea, rgb("f4f2e6"), crest * (0.35 + 0.65 * foam) * (1.0 + 0.15 * spray))
     return Relief(canvas.softened(-0.95 + 1.45 * crest + 0.60 * here + 0.08 * spray), canvas.softened(colour))
@@ -126,7 +126,7 @@ def art_deco(canvas: Canvas) -> Relief:
     boss = smoothstep(0.26, 0.20, here)
     gilt = np.max([rim, ray, boss], axis=0)
     gleam = canvas.noise(50.0 * unit, 2, "gleam")
-    gold = ramp(["8a6420", "c79a3c", "ecd089"], np.clip(0.40 + 0.35 * here + 0.25 * gleam, 0.0, 1.0))
+    gold = ramp(["8a6420", "c79a3c", "ecd089"], 0.40 + 0.35 * here + 0.25 * gleam)
     black = canvas.painted(np.tile(rgb("17191f"), (len(here), 1)))
     height = -0.55 + 1.10 * gilt + 0.45 * rim - 0.35 * gap + 0.20 * boss + 0.05 * gleam
     return Relief(canvas.softened(height), canvas.softened(mix(black, gold, gilt)))

@@ -19,7 +19,7 @@ def wood(canvas: Canvas) -> Relief:
     unit = canvas.unit("dark lines of the grain", 0.36 * RING)
     late, fibre, knot = grain(canvas, unit)
     board = canvas.noise(50.0 * unit, 2, "board")
-    tone = np.clip(0.68 - 0.48 * late + 0.30 * fibre + 0.16 * board, 0.0, 1.0)
+    tone = 0.68 - 0.48 * late + 0.30 * fibre + 0.16 * board
     colour = mix(ramp(["5b3416", "8a5628", "b57c43", "d0a069", "e3bd8a"], tone), rgb("4a2810"), 0.8 * knot)
     # Brushed, as a carpenter brushes oak: early wood is worn away, late wood stands.
     return Relief(canvas.softened(-0.85 + 1.75 * late + 0.45 * fibre + 0.30 * knot), canvas.softened(canvas.painted(colour)))
@@ -56,7 +56,7 @@ def mandala(canvas: Canvas) -> Relief:
     """Mandalas apart from each other and from sharp edges, their inner rings over the outer ones."""
     unit = canvas.unit("petals", 6.0, edges=2.5)
     late, fibre, _ = grain(canvas, unit)
-    tone = np.clip(0.55 - 0.42 * late + 0.28 * fibre, 0.0, 1.0)
+    tone = 0.55 - 0.42 * late + 0.28 * fibre
     colour = canvas.painted(ramp(["2c0f0a", "541d12", "7c3120", "9c4a30"], tone))
     height = -0.75 + 0.35 * late + 0.10 * fibre
 
@@ -96,7 +96,7 @@ def bark(canvas: Canvas) -> Relief:
     plate, split, crack = smoothstep(0.0, 0.22, broad), smoothstep(0.0, 0.22, narrow), smoothstep(0.0, 0.16, across)
     scaly = canvas.noise(6.0 * unit, 2, "scaly")
     height = -1.1 + 0.90 * plate + plate * (0.65 * split + 0.55 * crack) + 0.10 * scaly
-    tone = np.clip(0.05 + 0.42 * plate + 0.28 * split + 0.20 * crack + 0.22 * scaly, 0.0, 1.0)
+    tone = 0.05 + 0.42 * plate + 0.28 * split + 0.20 * crack + 0.22 * scaly
     colour = mix(rgb("20150d"), canvas.painted(ramp(["3a2819", "64482f", "917255", "c2aa88"], tone)), smoothstep(0.0, 0.5, plate))
     return Relief(canvas.softened(height), canvas.softened(colour))
 
@@ -121,7 +121,7 @@ def bamboo(canvas: Canvas) -> Relief:
     own = canvas.random(identity, "tone") - 0.5
     fibre = canvas.noise(6.0 * unit, 2, "fibre", at=canvas.points * [1.0, 1.0, 0.15])
     bloom = smoothstep(9.0, 2.0, up) * (up > 0.0)
-    tone = np.clip(0.15 + 0.60 * cane + 0.35 * own + 0.16 * fibre, 0.0, 1.0)
+    tone = 0.15 + 0.60 * cane + 0.35 * own + 0.16 * fibre
     colour = ramp(["4a5a20", "7f8d35", "b1b254", "d6cd80"], tone)
     colour = mix(mix(colour, rgb("ece3b4"), 0.55 * bloom + 0.25 * ring * cane), rgb("5a4a22"), 0.75 * groove)
     colour = mix(rgb("2a2c12"), canvas.painted(colour), smoothstep(0.05, 0.55, cane))
@@ -142,5 +142,5 @@ def cork(canvas: Canvas) -> Relief:
     edge = grains.edge / (GRAIN * unit)
     grain, dust = smoothstep(0.0, 0.18, edge), canvas.noise(4.0 * unit, 2, "dust")
     height = -0.35 + 0.70 * grain + 0.90 * own + 0.36 * dust - 0.95 * lost * grain
-    tone = np.clip(0.55 + 0.45 * own + 0.25 * dust - 0.35 * (1.0 - grain) - 0.5 * lost, 0.0, 1.0)
+    tone = 0.55 + 0.45 * own + 0.25 * dust - 0.35 * (1.0 - grain) - 0.5 * lost
     return Relief(canvas.softened(height), canvas.softened(canvas.painted(ramp(["4f321b", "96683c", "c99a63", "e3c091"], tone))))

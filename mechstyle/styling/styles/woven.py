@@ -29,7 +29,7 @@ def basket_weave(canvas: Canvas) -> Relief:
     identity = canvas.pieces(strip > 0.3, over)
     own, fibre = canvas.random(identity, "tone") - 0.5, canvas.noise(5.0 * unit, 2, "fibre")
     top = -0.40 + 1.05 * arch + 0.15 * strip - 0.14 * split + 0.10 * own + 0.06 * fibre
-    tone = np.clip(0.22 + 0.25 * over + 0.30 * arch + 0.26 * own + 0.20 * fibre - 0.10 * split, 0.0, 1.0)
+    tone = 0.22 + 0.25 * over + 0.30 * arch + 0.26 * own + 0.20 * fibre - 0.10 * split
     reed = canvas.painted(ramp(["6b4420", "a3713a", "cfa161", "e8cb96"], tone))
     colour = mix(rgb("3a2411"), reed, strip)
     return Relief(canvas.softened(-0.95 + (0.95 + top) * strip), canvas.softened(colour))
@@ -48,7 +48,7 @@ def twill(canvas: Canvas) -> Relief:
     along = 2.0 * folded((bond.x - bond.y) * 2.0 + 0.5 * np.round(rib))
     plump = (1.0 - across**2) * (0.30 + 0.70 * dome(along))
     faded, heather = canvas.noise(45.0 * unit, 3, "faded"), canvas.noise(6.0 * unit, 2, "heather")
-    tone = np.clip(0.10 + 0.62 * plump + 0.25 * faded + 0.14 * heather, 0.0, 1.0)
+    tone = 0.10 + 0.62 * plump + 0.25 * faded + 0.14 * heather
     colour = ramp(["141f38", "28406c", "4f72a3", "a9bfd8"], tone)
     return Relief(canvas.softened(-1.1 + 2.2 * plump + 0.06 * heather), canvas.softened(canvas.painted(colour)))
 
@@ -71,7 +71,7 @@ def carbon_fibre(canvas: Canvas) -> Relief:
     arch = np.cos(0.5 * np.pi * np.clip(middle, -1.0, 1.0))
     tow = smoothstep(0.5, 0.36, np.abs(across))
     sheen = canvas.noise(60.0 * unit, 2, "sheen")
-    tone = np.clip(0.10 + 0.34 * upright + 0.36 * arch * tow + 0.18 * sheen, 0.0, 1.0)
+    tone = 0.10 + 0.34 * upright + 0.36 * arch * tow + 0.18 * sheen
     colour = ramp(["08090a", "1d1f22", "3c4045", "6d737a"], tone)
     return Relief(canvas.softened(-1.0 + tow * (0.35 + 1.55 * arch) + 0.05 * sheen), canvas.softened(canvas.painted(colour)))
 
@@ -114,7 +114,7 @@ def quilting(canvas: Canvas) -> Relief:
     cross = np.minimum(*(np.hypot(x * LENGTH, y * HEIGHT) for x, y in (bond[:2], (0.5 - np.abs(bond.x), 0.5 - np.abs(bond.y)))))
     button = smoothstep(1.15 * BUTTON, 0.80 * BUTTON, cross)
     sag, soft = np.exp(-((cross / (2.3 * BUTTON)) ** 2)), canvas.noise(30.0 * unit, 2, "soft")
-    satin = ramp(["52203c", "86365e", "b8608a", "e7b3c9"], np.clip(0.12 + 0.66 * puff + 0.15 * soft - 0.15 * sag, 0.0, 1.0))
+    satin = ramp(["52203c", "86365e", "b8608a", "e7b3c9"], 0.12 + 0.66 * puff + 0.15 * soft - 0.15 * sag)
     colour = mix(canvas.painted(satin), rgb("d9b26a"), button)
     height = -0.90 + 1.95 * puff - 0.30 * sag + button * 0.85
     return Relief(canvas.softened(height + 0.05 * soft), canvas.softened(colour))
