@@ -153,8 +153,7 @@ def test_the_citation_names_this_version():
 
 
 JUDGES = {
-    "stressed_volume": "fea", "verdict": "records", "orientations": "fea", "footprint": "fea", "body": "simulation",
-    "simulation": "records", "phases": "fea",
+    "stressed_volume": "fea", "verdict": "records", "orientations": "fea", "meshes": "simulation", "simulation": "records", "phases": "fea",
 }  # fmt: skip
 """Rooms of the modules whose constants can move an outcome."""
 

@@ -21,7 +21,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn
 from rich.table import Table
 
 from mechstyle.errors import MechStyleError
-from mechstyle.loop.events import Corrected, Event, Finished, Simulated, SimulationStarted, Stylized
+from mechstyle.loop.engine import Corrected, Event, Finished, Simulated, SimulationStarted, Stylized
 from mechstyle.records import Verdict, sentences
 
 P = ParamSpec("P")

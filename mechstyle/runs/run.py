@@ -19,8 +19,7 @@ from mechstyle.fea.explicit import Progress, no_progress
 from mechstyle.geometry.cancelling import CancelCheck, never_cancel
 from mechstyle.geometry.print_quality import untangled
 from mechstyle.loop import minimum_wall
-from mechstyle.loop.engine import Engine
-from mechstyle.loop.events import Event, Finished
+from mechstyle.loop.engine import Engine, Event, Finished
 from mechstyle.loop.history import measured_at
 from mechstyle.loop.objects import read_record, to_json
 from mechstyle.loop.store import Entry, Lane, Store, parse_address
@@ -152,7 +151,7 @@ class Run:
 
     def _repr_mimebundle_(self, **_: Any) -> dict[str, str]:
         """A picture and a table in a notebook, also where no kernel runs; the one-line form elsewhere."""
-        from mechstyle.runs.report.static_view import mimebundle  # noqa: PLC0415 — loaded when a notebook asks
+        from mechstyle.runs.report.page import mimebundle  # noqa: PLC0415 — loaded when a notebook asks
 
         return mimebundle(self)
 

@@ -9,7 +9,7 @@ from contextlib import closing
 from typing import Literal
 
 from mechstyle.fea.explicit import Progress
-from mechstyle.loop.events import Event, Simulated
+from mechstyle.loop.engine import Event, Simulated
 
 State = Literal["ready", "running", "paused", "stopped", "finished", "failed"]
 Listener = Callable[[Event], None]

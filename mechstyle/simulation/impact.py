@@ -18,8 +18,7 @@ from mechstyle.loop.objects import Memo
 from mechstyle.records import Recipe
 from mechstyle.records.mesh import Floats, SurfaceMesh, TetMesh
 from mechstyle.records.regions import Point
-from mechstyle.simulation.meshes import at_rest
-from mechstyle.simulation.part import Workpiece
+from mechstyle.simulation.part import Workpiece, at_rest
 from mechstyle.simulation.physics import PHYSICS_VERSION, memo_key, period_of, physics, prescribed
 
 

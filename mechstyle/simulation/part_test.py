@@ -13,9 +13,8 @@ import numpy as np
 
 from mechstyle._files import write_whole
 from mechstyle.errors import BadInput, SimulationFailed
-from mechstyle.fea.drop import resolve_device
+from mechstyle.fea.drop import History, resolve_device
 from mechstyle.fea.explicit import Progress, no_progress
-from mechstyle.fea.history import History
 from mechstyle.fea.snapshots import snapshot
 from mechstyle.geometry.proximity import TriangleTree
 from mechstyle.loop import minimum_wall as walls
@@ -28,11 +27,10 @@ from mechstyle.records.material import Material, material_named
 from mechstyle.records.mesh import STANDARD_VERTICES, Field, SurfaceMesh, TetMesh
 from mechstyle.records.recipe import DEFAULTS, direction_of
 from mechstyle.records.written import length_of
-from mechstyle.simulation.body import SEEN
 from mechstyle.simulation.drop_history import Course, history_picture, vtu_bytes, vtu_path
 from mechstyle.simulation.impact import Impact, impact_of
-from mechstyle.simulation.meshes import at_rest
-from mechstyle.simulation.part import Shape, Stage, Workpiece, cached_memo, fitted, prepare, standardised
+from mechstyle.simulation.meshes import SEEN
+from mechstyle.simulation.part import Shape, Stage, Workpiece, at_rest, cached_memo, fitted, prepare, standardised
 from mechstyle.simulation.physics import period_of, prescribed
 from mechstyle.simulation.simulator import Detail, DropSimulator
 

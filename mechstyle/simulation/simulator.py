@@ -15,15 +15,14 @@ from mechstyle.errors import SimulationFailed
 from mechstyle.fea.drop import Drop, drop
 from mechstyle.fea.explicit import Progress, no_progress
 from mechstyle.fea.orientations import Orientations, landings
-from mechstyle.fea.statics.load_test import StaticTest
+from mechstyle.fea.statics import StaticTest
 from mechstyle.fea.stressed_volume import DROPPED, LOADED, Exceeded, at_nodes, exceeded
 from mechstyle.geometry.morph import Morphed
 from mechstyle.loop.objects import Memo
 from mechstyle.records import Landing, LoadResult, Recipe, Simulation, Verdict, judge
 from mechstyle.records.mesh import Floats, SurfaceMesh, TetMesh, digest_of
 from mechstyle.records.simulation import GREATEST_HEIGHT, LEAST_HEIGHT, Way
-from mechstyle.simulation.body import Body, Skin
-from mechstyle.simulation.meshes import Meshes
+from mechstyle.simulation.meshes import Body, Meshes, Skin
 from mechstyle.simulation.physics import PHYSICS_VERSION, memo_key, period_of, physics, prescribed
 
 STEERING = 2

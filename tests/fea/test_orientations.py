@@ -11,7 +11,6 @@ import trimesh
 
 from mechstyle import gallery
 from mechstyle.errors import BadInput
-from mechstyle.fea.footprint import touchdowns
 from mechstyle.fea.orientations import (
     SAME_LANDING,
     TILT,
@@ -25,6 +24,7 @@ from mechstyle.fea.orientations import (
     orientation_set,
     resting,
     stable_poses,
+    touchdowns,
 )
 from mechstyle.records import POSES
 from mechstyle.records.mesh import SurfaceMesh

@@ -11,8 +11,7 @@ import numpy as np
 import pytest
 
 from mechstyle.errors import BadInput
-from mechstyle.loop.engine import STEP_LIMIT, Engine, kept
-from mechstyle.loop.events import Checkpointed, Corrected, Finished, Simulated, SimulationStarted, Stylized
+from mechstyle.loop.engine import STEP_LIMIT, Checkpointed, Corrected, Engine, Finished, Simulated, SimulationStarted, Stylized, kept
 from mechstyle.loop.store import Lane
 from mechstyle.records import Doubt, LoadResult, Simulation
 from support.bench import BumpStylizer, LeverSimulator, LooseBase

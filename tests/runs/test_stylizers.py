@@ -7,8 +7,8 @@ import pytest
 from mechstyle.errors import BadInput, MissingPiece
 from mechstyle.geometry.remeshing.evening import even, surface_of
 from mechstyle.loop.engine import kept
-from mechstyle.records.chapters import SIDES
 from mechstyle.records.mesh import TetMesh
+from mechstyle.records.recipe import SIDES
 from mechstyle.runs.recipes import changed, plan
 from mechstyle.runs.stylizers import drawing_of, finished_relief, stylizer_for
 from mechstyle.simulation.part import Shape, Workpiece, bounds_for

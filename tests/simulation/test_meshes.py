@@ -9,8 +9,8 @@ import pytest
 from mechstyle.errors import SimulationFailed
 from mechstyle.records.simulation import LEAST_CARRIED
 from mechstyle.simulation import meshes
-from mechstyle.simulation.body import Followed
-from mechstyle.simulation.meshes import carrying
+from mechstyle.simulation.meshes import Followed
+from mechstyle.simulation.part import carrying
 from support.dropped_block import ripples, simulator
 
 

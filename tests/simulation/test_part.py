@@ -9,9 +9,9 @@ import trimesh
 from mechstyle.errors import BadInput, SimulationFailed
 from mechstyle.loop.bounds import unrestrained
 from mechstyle.records import Recipe
-from mechstyle.records.chapters import BASES
 from mechstyle.records.material import LIBRARY
 from mechstyle.records.mesh import SurfaceMesh
+from mechstyle.records.recipe import BASES
 from mechstyle.simulation import part as module
 from mechstyle.simulation.part import prepare
 

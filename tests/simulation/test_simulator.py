@@ -18,8 +18,8 @@ from mechstyle.records.material import LIBRARY
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.records.simulation import GREATEST_HEIGHT, LEAST_CARRIED, LEAST_HEIGHT, VOLUME_ERROR
 from mechstyle.simulation import simulator as module
-from mechstyle.simulation.body import SAME_PART, Body, Skin
-from mechstyle.simulation.meshes import AGAIN, carrying
+from mechstyle.simulation.meshes import AGAIN, SAME_PART, Body, Skin
+from mechstyle.simulation.part import carrying
 from mechstyle.simulation.simulator import LIKELY_EXPONENT, exponent_of, harder
 from support import records
 from support.dropped_block import bumps, ripples, simulator, slopes

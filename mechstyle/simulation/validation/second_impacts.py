@@ -14,8 +14,8 @@ from mechstyle.fea.drop import Drop, DropTest, drop, tracks_for
 from mechstyle.fea.elements import QUADRATIC
 from mechstyle.fea.explicit import no_progress
 from mechstyle.fea.flight import RigidBody
+from mechstyle.fea.linear_solvers import lowest_period
 from mechstyle.fea.orientations import directions
-from mechstyle.fea.period import lowest_period
 from mechstyle.fea.phases import IMPULSE, MIN_IMPULSE, MIN_SPEED_RATIO, QUIET_TIME, Track, follow
 from mechstyle.fea.stressed_volume import DROPPED
 from mechstyle.records.mesh import Floats, TetMesh

@@ -11,7 +11,7 @@ from mechstyle.fea.drop import DropTest, drop, tracks_for
 from mechstyle.fea.elements import LINEAR
 from mechstyle.fea.explicit import no_progress
 from mechstyle.fea.flight import RigidBody
-from mechstyle.fea.period import lowest_period
+from mechstyle.fea.linear_solvers import lowest_period
 from mechstyle.fea.phases import follow
 from mechstyle.records.material import LIBRARY
 from mechstyle.simulation.validation.meshes import box

@@ -10,9 +10,8 @@ from manifold3d import Manifold
 
 from mechstyle.geometry.remeshing.evening import even, surface_of
 from mechstyle.records.simulation import LEAST_CARRIED, VOLUME_ERROR
-from mechstyle.simulation.body import Body, Followed, Skin
-from mechstyle.simulation.meshes import carrying
-from mechstyle.simulation.part import Workpiece, refilled
+from mechstyle.simulation.meshes import Body, Followed, Skin
+from mechstyle.simulation.part import Workpiece, carrying, refilled
 
 
 @pytest.fixture(scope="module")
