@@ -167,7 +167,7 @@ def drop(
     else:
         follow(body, scheme, tracks, progress)
         steps, failure = scheme.stride * max(track.taken for track in tracks), _failure(tracks, scheme)
-    return _drop(tets, discretisation, scheme, tracks, steps, failure)
+    return _of_tracks(tets, discretisation, scheme, tracks, steps, failure)
 
 
 def tracks_for(
@@ -242,42 +242,26 @@ def _unit(directions: ArrayLike) -> Floats:
     return normals / lengths
 
 
-def _drop(
+def _of_tracks(
     tets: TetMesh, discretisation: Discretisation, scheme: Scheme, tracks: Sequence[Track], steps: int, failure: str
 ) -> Drop:
-    """Bring the results back to the caller's numbering; a failed drop has no stress but infinity."""
-    recorded = ([track.peak for track in tracks], [track.corners for track in tracks])
-    widths = (discretisation.mesh.element.points, 4)
+    """What drops left, in the caller's numbering; a failed drop has no stress but infinity."""
+    count, used = len(discretisation.volumes), discretisation.vertices
     von_mises, corners = (
-        _in_callers_order(stress, width, discretisation, failure) for stress, width in zip(recorded, widths, strict=True)
+        np.full((len(tracks), count, width), np.inf, np.float32) for width in (discretisation.mesh.element.points, 4)
     )
     contact = np.zeros((len(tracks), len(tets.vertices)), dtype=bool)
     for index, track in enumerate(tracks):
+        for ordered, recorded in ((von_mises, track.peak), (corners, track.corners)):
+            if recorded is not None and not failure:
+                ordered[index, discretisation.tet_order] = recorded
         if track.touched is not None:
-            contact[index, discretisation.vertices] = track.touched[discretisation.place[: len(discretisation.vertices)]]
+            contact[index, used] = track.touched[discretisation.place[: len(used)]]
     return Drop(
-        von_mises,
-        corners,
-        contact,
-        scheme.time_step,
-        steps,
-        discretisation.added_mass,
-        tuple(history_of(track, scheme) for track in tracks),
-        tuple(phases_of(track, scheme) for track in tracks),
-        tuple(track.ended for track in tracks),
-        failure,
-    )
-
-
-def _in_callers_order(
-    recorded: Sequence[NDArray[np.float32] | None], width: int, discretisation: Discretisation, failure: str
-) -> NDArray[np.float32]:
-    """Stress of each drop in the order of computation, [tet_count, width], in the caller's; infinite if the drop failed."""
-    ordered = np.full((len(recorded), len(discretisation.volumes), width), np.inf, dtype=np.float32)
-    for index, stress in enumerate(recorded):
-        if stress is not None and not failure:
-            ordered[index, discretisation.tet_order] = stress
-    return ordered
+        von_mises, corners, contact, scheme.time_step, steps, discretisation.added_mass,
+        tuple(history_of(track, scheme) for track in tracks), tuple(phases_of(track, scheme) for track in tracks),
+        tuple(track.ended for track in tracks), failure,
+    )  # fmt: skip
 
 
 def _failure(tracks: Sequence[Track], scheme: Scheme) -> str:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from mechstyle.errors import BadInput
 from mechstyle.loop import control, correction, schedule
-from mechstyle.loop.bounds import Bounds, advanced, unrestrained
+from mechstyle.loop.bounds import Bounds, advanced, unrestrained_relief
 from mechstyle.loop.store import Lane, Store
 from mechstyle.records import Checkpoint, Recipe, Simulation, Verdict
 from mechstyle.records.mesh import Field, SurfaceMesh
@@ -351,7 +351,7 @@ class Engine:
 
     def _target(self) -> Field:
         """What the finished style asks for within its bounds [mm], shape [vertex_count], whatever of it the part came to."""
-        return unrestrained(self.stylizer.proposal().displacement, self.bounds, self.recipe)
+        return unrestrained_relief(self.stylizer.proposal().displacement, self.bounds, self.recipe)
 
     def _tested(self, search: correction.Correction, relief: Field, state: Checkpoint) -> tuple[Field, str] | None:
         """What a correction is to try after a relief was found to be what `state` says."""
@@ -378,7 +378,7 @@ class Engine:
         return self._kept(state.displacement, self._target())
 
     def _kept(self, displacement: Field, reference: Field) -> float:
-        return kept(displacement, reference, self.bounds.seen_areas(self.surface))
+        return retained_share(displacement, reference, self.bounds.seen_areas(self.surface))
 
     def _save(self, state: Checkpoint) -> tuple[str, Checkpointed]:
         """Store the checkpoint, then move the lane to it."""
@@ -396,7 +396,7 @@ def shown(simulation: Simulation, verdict: Verdict) -> Field:
     return simulation.stress_of(landing=row.landing, load=row.load)
 
 
-def kept(displacement: Field, reference: Field, areas: NDArray[np.float64]) -> float:
+def retained_share(displacement: Field, reference: Field, areas: NDArray[np.float64]) -> float:
     """Share of a reference relief that is left, ⟨T, D⟩ / ⟨T, T⟩ weighted by area; 1 where the reference is flat.
 
     Args:

@@ -208,7 +208,13 @@ class Run:
     def _carried_on(self, progress: Progress) -> Generator[Event, None, None]:
         self.store.move(self.lane, msgspec.structs.replace(self.store.lane(self.lane), recipe=self.store.put_recipe(self.recipe)))
         with self.clock.stage("style target"):
-            engine, notes = self._engine(progress)
+            recipe, part = self.recipe, self.part
+            stylizer, notes = stylizer_for(part, recipe, self.device, self.store.objects, lambda: progress(0.0))
+            bounds, protected = bounds_for(part, recipe)
+            simulator = self.simulator(recipe, progress)
+            untangle = partial(untangled, part.surface, go_on=lambda: progress(0.0))
+            notes = (*expected(recipe), *left_out(recipe), *protected, *notes)
+            engine = Engine(recipe, part.surface, bounds, stylizer, simulator, self.store, self.lane, untangle)
         with self.clock.stage("simulation of the unstylized part"):
             _ = engine.simulator.baseline
         for event in self.clock.timed(engine.run()):
@@ -241,20 +247,10 @@ class Run:
         self._save(summary)
         return summary
 
-    def _engine(self, progress: Progress) -> tuple[Engine, tuple[str, ...]]:
-        recipe, part = self.recipe, self.part
-        stylizer, notes = stylizer_for(part, recipe, self.device, self.store.objects, lambda: progress(0.0))
-        bounds, protected = bounds_for(part, recipe)
-        simulator = self.simulator(recipe, progress)
-        untangle = partial(untangled, part.surface, go_on=lambda: progress(0.0))
-        notes = (*expected(recipe), *left_out(recipe), *protected, *notes)
-        return Engine(recipe, part.surface, bounds, stylizer, simulator, self.store, self.lane, untangle), notes
-
     def simulator(self, recipe: Recipe, progress: Progress = no_progress) -> DropSimulator:
         """The drop test of the part under a recipe."""
         part, shared = self.record.droppable(self.part, self.store.root / "part.json"), cached_memo() if self.trusting else None
-        what = part.surface, part.tets, recipe, self.store.memo, shared, self.device, progress
-        return DropSimulator(*what, at=part.at, thickness=part.thickness)
+        return DropSimulator(part, recipe, self.store.memo, shared, self.device, progress)
 
     @property
     def _summary_path(self) -> Path:

@@ -15,52 +15,19 @@ from numpy.typing import NDArray
 
 from mechstyle.errors import MechStyleError
 from mechstyle.fea.explicit import Progress, no_progress
-from mechstyle.fea.stressed_volume import Walls
-from mechstyle.geometry.level_base import LevelBase
 from mechstyle.geometry.morph import Morph, Morphed
-from mechstyle.geometry.thickness import local_thickness
 from mechstyle.geometry.transfer import SurfaceMean, Transfer
 from mechstyle.loop.objects import AT_REST, CARRIER, LAST_MESH, MESH, MESH_FOR, Memo
-from mechstyle.records.mesh import Floats, SurfaceMesh, TetMesh, digest_of
+from mechstyle.records.mesh import Floats, TetMesh, digest_of
 from mechstyle.records.recipe import Transfer as TransferName
 from mechstyle.records.simulation import LEAST_CARRIED, VOLUME_ERROR
-from mechstyle.simulation.part import at_rest, carrying
+from mechstyle.simulation.part import Shape, at_rest, carrying
 
 SEEN = 0.01
 """Relief below which a place has none [mm]: no printer shows it."""
 
 SAME_PART = 0.02
 """Relief that tetrahedra may keep on the way back to the plain part, over its local wall: what is bent then reads 4 % more or less."""
-
-
-@dataclass(frozen=True, eq=False)
-class Skin:
-    """The standardised surface without style. `known_thickness` [mm] is [vertex_count], None to work it out; `nozzle` is in mm."""
-
-    surface: SurfaceMesh
-    nozzle: float
-    known_thickness: NDArray[np.floating] | None = None
-
-    @cached_property
-    def base(self) -> LevelBase:
-        """The flat faces the part stands on."""
-        return LevelBase(self.surface)
-
-    @cached_property
-    def smooth(self) -> SurfaceMean:
-        """A mean over 2 mm along the surface."""
-        return SurfaceMean(self.surface)
-
-    @cached_property
-    def printed(self) -> SurfaceMean:
-        """What a nozzle leaves of a relief: a mean over its width."""
-        return SurfaceMean(self.surface, 0.5 * self.nozzle)
-
-    @cached_property
-    def walls(self) -> Walls:
-        """Walls of the unstylized part, by which small volumes of thin members count."""
-        known = self.known_thickness
-        return Walls(self.surface.vertices, local_thickness(self.surface) if known is None else known)
 
 
 class Followed(NamedTuple):
@@ -109,13 +76,14 @@ class Followed(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Body:
-    """Tetrahedra of a part, `skin`, and how their stress gets to its surface, `transfer`.
+    """Tetrahedra of a part, `shape`, that a `nozzle` [mm] prints, and how their stress gets to its surface, `transfer`.
 
     They were made for its displacement `at` [mm], shape [vertex_count], None for none.
     """
 
-    skin: Skin
+    shape: Shape
     tets: TetMesh
+    nozzle: float
     transfer: TransferName = "barycentric"
     at: NDArray[np.float32] | None = None
 
@@ -127,7 +95,7 @@ class Body:
     @cached_property
     def morph(self) -> Morph:
         """What moves the tetrahedra with the surface."""
-        return Morph(self.skin.surface, self.tets, self.at)
+        return Morph(self.shape.surface, self.tets, self.at)
 
     @cached_property
     def is_the_plain_part(self) -> bool:
@@ -135,8 +103,8 @@ class Body:
 
         What is left is averaged over 2 mm, as over less there is no volume that counts.
         """
-        back = self.morph.morphed(np.zeros(len(self.skin.surface.vertices), np.float32))
-        left = self.skin.smooth(np.abs(back.followed).astype(np.float64)) / self.skin.walls.thickness
+        back = self.morph.morphed(np.zeros(len(self.shape.surface.vertices), np.float32))
+        left = self.shape.smooth(np.abs(back.followed).astype(np.float64)) / self.shape.walls.thickness
         return bool(left.max() <= SAME_PART) and self.followed(back).enough
 
     def followed(self, morphed: Morphed) -> Followed:
@@ -145,10 +113,10 @@ class Body:
         The share is the slope of how far their boundary has gone on how far it was to go, by least squares over the surface, as far as the
         nozzle can print it; on the flat faces both are without their means, because any mesh follows a shift as a whole.
         """
-        skin, base = self.skin, self.skin.base
-        wanted, found = (skin.printed(base.contrast(field).astype(np.float64)) for field in (morphed.displacement, morphed.followed))
-        styled, areas = skin.surface.displaced(morphed.displacement), skin.surface.vertex_areas
-        errors = (float(morphed.tets.volumes.sum()) / styled.volume - 1.0, self.morph.volume_without_relief / skin.surface.volume - 1.0)
+        surface, base = self.shape.surface, self.shape.level_base
+        wanted, found = (self._printed(base.contrast(field).astype(np.float64)) for field in (morphed.displacement, morphed.followed))
+        styled, areas = surface.displaced(morphed.displacement), surface.vertex_areas
+        errors = (float(morphed.tets.volumes.sum()) / styled.volume - 1.0, self.morph.volume_without_relief / surface.volume - 1.0)
         whole = slope(wanted, found, areas)
         lifted = (base.share(morphed.displacement) or 0.0) - (base.share(morphed.followed) or 0.0)
         # What a nozzle leaves of a relief beside the base reaches over its edge, where there is none to be followed.
@@ -157,8 +125,13 @@ class Body:
         return Followed(*shares, max(errors, key=abs), 1.0 - max(lifted, 0.0))
 
     @cached_property
+    def _printed(self) -> SurfaceMean:
+        """What a nozzle leaves of a relief: a mean over its width."""
+        return SurfaceMean(self.shape.surface, 0.5 * self.nozzle)
+
+    @cached_property
     def _transfer(self) -> Transfer:
-        return Transfer(self.skin.surface.displaced(self.morph.at), self.tets, self.transfer)
+        return Transfer(self.shape.surface.displaced(self.morph.at), self.tets, self.transfer)
 
     def contact_at_surface(self, contact: NDArray[np.bool_]) -> NDArray[np.bool_]:
         """Whether vertices of the surface touch, from whether nodes do, shape [vertex_count]."""
@@ -166,7 +139,7 @@ class Body:
 
     def stress_at_surface(self, nodal: Floats) -> NDArray[np.float32]:
         """Stress at the nodes brought to the surface and averaged over 2 mm along it [MPa], shape [vertex_count]."""
-        return self.skin.smooth(self._transfer.to_surface(nodal)).astype(np.float32)
+        return self.shape.smooth(self._transfer.to_surface(nodal)).astype(np.float32)
 
 
 def slope(wanted: Floats, found: Floats, weights: Floats) -> float | None:
@@ -221,10 +194,10 @@ class Meshes:
         """
         if not self.first.made_for_relief:
             return self.first, (self.memo,) if self.shared is None else (self.shared, self.memo)
-        name = f"{AT_REST}{self.first.skin.surface.digest}"
+        name = f"{AT_REST}{self.first.shape.surface.digest}"
         own, known = self.memo.recall(name, str), None if self.shared is None else self.shared.recall(name, str)
         home = self.memo if self.shared is None or own not in (None, known) else self.shared
-        kept = own or known or home.objects.put_mesh(at_rest(self.first.skin.surface, partial(self.progress, 0.0)))
+        kept = own or known or home.objects.put_mesh(at_rest(self.first.shape.surface, partial(self.progress, 0.0)))
         tets = (self.memo if own else home).objects.get_mesh(kept, TetMesh)
         for memo in (self.memo, home):
             memo.remember(name, memo.objects.put_mesh(tets))
@@ -267,21 +240,17 @@ class Meshes:
             if there.is_at_least_as_good_as(here):
                 return other, AGAIN if there.enough else f"{AGAIN}, but following {there.words}"
         try:
-            body = self._made_for(displacement)
+            name, objects = f"{MESH_FOR}{digest_of(displacement)}", self.memo.objects
+            kept = self.memo.recall(name, KeptMesh)
+            if kept is None:
+                made, half = carrying(self.first.shape.surface, displacement, partial(self.progress, 0.0))
+                kept = KeptMesh(tets=objects.put_mesh(made), at=objects.put_array(half))
+                self.memo.remember(name, kept)
+            tets, at = objects.get_mesh(kept.tets, TetMesh), objects.get_array(kept.at)
+            self.memo.remember(f"{MESH}{tets.digest}", kept)
+            self.memo.remember(f"{LAST_MESH}{self.run}", tets.digest, anew=True)
+            body = replace(self.first, tets=tets, at=at)
         except MechStyleError as error:
             return self.first, f"{MORPHED}, following {here.words}, as the part could not be meshed again: {error}"
         there = body.followed(body.morph.morphed(displacement))
         return body, AGAIN if there.enough else f"{AGAIN}, but following {there.words}"
-
-    def _made_for(self, displacement: NDArray[np.float32]) -> Body:
-        """Tetrahedra made for half of a relief, which are kept for the next."""
-        name, objects = f"{MESH_FOR}{digest_of(displacement)}", self.memo.objects
-        kept = self.memo.recall(name, KeptMesh)
-        if kept is None:
-            made, half = carrying(self.first.skin.surface, displacement, partial(self.progress, 0.0))
-            kept = KeptMesh(tets=objects.put_mesh(made), at=objects.put_array(half))
-            self.memo.remember(name, kept)
-        tets, at = objects.get_mesh(kept.tets, TetMesh), objects.get_array(kept.at)
-        self.memo.remember(f"{MESH}{tets.digest}", kept)
-        self.memo.remember(f"{LAST_MESH}{self.run}", tets.digest, anew=True)
-        return replace(self.first, tets=tets, at=at)

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from mechstyle._files import cache_folder
 from mechstyle.errors import BadInput, unknown
 from mechstyle.fea.explicit import no_progress
+from mechstyle.fea.stressed_volume import Walls
 from mechstyle.geometry.cancelling import CancelCheck, meanwhile, never_cancel
 from mechstyle.geometry.inside_outside import is_container, is_inside
 from mechstyle.geometry.level_base import LevelBase
@@ -26,6 +27,7 @@ from mechstyle.geometry.remeshing.filling import VERSION as TETRAHEDRA
 from mechstyle.geometry.resting_face import resting_face
 from mechstyle.geometry.subdivision import refined_to
 from mechstyle.geometry.thickness import local_thickness
+from mechstyle.geometry.transfer import SurfaceMean
 from mechstyle.geometry.visibility import sky_seen
 from mechstyle.loop import minimum_wall as walls
 from mechstyle.loop.bounds import Bounds
@@ -121,7 +123,7 @@ class Model(SurfaceMesh):
 
 @dataclass(frozen=True, eq=False)
 class Shape:
-    """What of a part bounds a style.
+    """A part without style: its surface and walls, and what follows from these alone.
 
     Attributes:
         surface: Standardised surface M_0.
@@ -140,6 +142,16 @@ class Shape:
     def is_container(self) -> bool:
         """Whether it holds things, however it lies."""
         return is_container(self.surface)
+
+    @cached_property
+    def smooth(self) -> SurfaceMean:
+        """A mean over 2 mm along the surface."""
+        return SurfaceMean(self.surface)
+
+    @cached_property
+    def walls(self) -> Walls:
+        """Walls of the part, by which small volumes of thin members count."""
+        return Walls(self.surface.vertices, self.thickness)
 
     @cached_property
     def seen(self) -> NDArray[np.float32]:

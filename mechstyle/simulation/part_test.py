@@ -226,9 +226,7 @@ def _tested(
     """The test of a prepared part as it is, or of a relief on it [mm], shape [vertex_count]; `given` is the part as it was read."""
     memo, recipe = cached_memo(), fitted(wanted, part)
     displacement = np.zeros(len(part.surface.vertices), np.float32) if relief is None else relief
-    simulator = DropSimulator(
-        part.surface, part.tets, recipe, memo, memo, device=device, progress=progress, at=part.at, thickness=part.thickness
-    )
+    simulator = DropSimulator(part, recipe, memo, memo, device, progress)
     stage("dropping it")
     tets, detail = simulator.detail(displacement)
     original = None

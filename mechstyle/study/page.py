@@ -154,7 +154,11 @@ def _what(own: Sequence[Row], done: Sequence[Row]) -> str:
 def _found(done: Sequence[Row]) -> str:
     """What was asked and found, before how it was run: a line for the style alone, for the ways of feedback and for each arm."""
     asked = "How many parts survive their fall with a style alone, and how many with feedback?"
-    lines = [f"* **The style alone**: {_counted(free)}. {_beside_published(free)}" for free in [_freely(done)] if free]
+    lines, free = list[str](), _freely(done)
+    if free:
+        by_their_rule = _share(sum(row.passes_published for row in free), len(free))
+        theirs = f"Published: {PUBLISHED[FREE]:g} % (46 of 180), by the largest stress at a point; by that rule here {by_their_rule}."
+        lines.append(f"* **The style alone**: {_counted(free)}. {theirs}")
     ways = [row for row in done if _is_way(row)]
     if ways:
         lines.append(f"* **Control and schedule**, no corrections at the end: {_counted(ways)}; {_extremes(ways)}.")
@@ -170,12 +174,6 @@ def _counted(rows: Sequence[Row]) -> str:
     """How many pass, how many of these hold, and how many outcomes leave a doubt."""
     passes, holds, doubts = (sum(of) for of in zip(*((row.passes, row.outcome == "HOLDS", not row.sure) for row in rows), strict=True))
     return f"{_share(passes, len(rows))} pass, {holds} of them hold by themselves; {doubts} outcomes are not sure"
-
-
-def _beside_published(free: Sequence[Row]) -> str:
-    """The published share of the style alone, which is by another rule, and what that rule says here."""
-    by_their_rule = _share(sum(row.passes_published for row in free), len(free))
-    return f"Published: {PUBLISHED[FREE]:g} % (46 of 180), by the largest stress at a point; by that rule here {by_their_rule}."
 
 
 def _extremes(ways: Sequence[Row]) -> str:

@@ -23,9 +23,9 @@ from mechstyle.fea.orientations import (
     nearly_flat_of,
     orientation_set,
     resting,
-    stable_poses,
     touchdowns,
 )
+from mechstyle.fea.poses import stable_poses
 from mechstyle.records import POSES
 from mechstyle.records.mesh import SurfaceMesh
 

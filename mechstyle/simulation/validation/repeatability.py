@@ -99,7 +99,7 @@ def turned() -> Iterator[Result]:
     """An angle bracket as it is, turned about z and mirrored, each prepared from its surface on."""
     model = bracket(30.0, 14.0, 5.0, 1.0).boundary
     ways = {"as it is": np.eye(3), "turned 17°": about_z(17.0), "turned 51°": about_z(51.0), "mirrored": np.diag([-1.0, 1.0, 1.0])}
-    found = [dropped_anew(moved(model, way), TURNED_VERTICES) for way in ways.values()]
+    found = [dropped_anew(transformed(model, way), TURNED_VERTICES) for way in ways.values()]
     yield from spread("turned: bracket", found)
 
 
@@ -109,7 +109,7 @@ def dropped_anew(surface: SurfaceMesh, vertices: int) -> Simulation:
     return landed(part.tets, period_of_body(part.tets), part.surface, walls=Walls(part.surface.vertices, part.thickness))
 
 
-def moved(surface: SurfaceMesh, turn: Floats) -> SurfaceMesh:
+def transformed(surface: SurfaceMesh, turn: Floats) -> SurfaceMesh:
     """A surface turned, or mirrored, by a matrix of shape [3, 3]."""
     faces = surface.faces if np.linalg.det(turn) > 0.0 else surface.faces[:, [0, 2, 1]]
     return SurfaceMesh(surface.vertices @ np.asarray(turn).T, faces)

@@ -36,12 +36,12 @@ def bar() -> Iterator[Result]:
 
 def large_cup() -> Iterator[Result]:
     """A cup of the size of a pen holder in five orientations."""
-    yield from _landed_again("second_cup", cup(40.0, 100.0, 3.0, (28, 8, 3)), directions(5), 10.0, _numbered(5))
+    yield from _landed_again("second_cup", cup(40.0, 100.0, 3.0, (28, 8, 3)), directions(5), 10.0, _landing_names(5))
 
 
 def ring() -> Iterator[Result]:
     """An open ring, 70 × 40 mm of 6 × 6 mm, in five orientations: nothing in it is compact."""
-    yield from _landed_again("second_ring", open_ring(35.0, 20.0, 6.0, 40), directions(5), 12.0, _numbered(5))
+    yield from _landed_again("second_ring", open_ring(35.0, 20.0, 6.0, 40), directions(5), 12.0, _landing_names(5))
 
 
 def tilted_ways() -> Floats:
@@ -90,7 +90,7 @@ def _in_callers_order(tracks: Sequence[Track], body: Discretisation) -> Floats:
     return ordered
 
 
-def _numbered(count: int) -> list[str]:
+def _landing_names(count: int) -> list[str]:
     return [f"landing {number}" for number in range(count)]
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import platform
 import re
 from collections.abc import Iterable, Iterator
+from functools import partial
 from pathlib import Path
 
 from mechstyle.fea.explicit import cores
@@ -45,8 +46,11 @@ CASES = {
         Case("cantilever", "A cantilever in CalculiX, C3D4 and C3D10", statics.cantilever),
         Case("bar", "Pressure under a bar that lands on its end: ρ c v", impacts.bar),
         Case("bar_calculix", "The stress wave in a bar in CalculiX's explicit dynamics", impacts.bar_calculix, slow=True),
-        Case("contact", "A bracket on its corner in CalculiX's explicit dynamics, one element thick", impacts.bracket_coarse, slow=True),
-        Case("contact_fine", "The same bracket in two layers", impacts.bracket_fine, slow=True),
+        Case(
+            "contact", "A bracket on its corner in CalculiX's explicit dynamics, one element thick",
+            partial(impacts.bracket_of_calculix, "contact", 4.0, 0.15), slow=True,
+        ),
+        Case("contact_fine", "The same bracket in two layers", partial(impacts.bracket_of_calculix, "contact_fine", 2.0, 0.1), slow=True),
         Case("sphere", "A ball on the floor: Hertz's contact", impacts.sphere, slow=True),
         Case("second_bar", "A bar that lands again with its other end, six tilts", second_impacts.bar, slow=True),
         Case("second_cup", "A cup that lands again with its rim", second_impacts.large_cup, slow=True),
