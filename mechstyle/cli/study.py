@@ -113,8 +113,8 @@ def page_command(
     as_json: Json = False,
 ) -> None:
     """Make a page of studies: counts with intervals, tests, figures, and the table it is made from."""
+    from mechstyle.study.cells import read_table  # noqa: PLC0415
     from mechstyle.study.page import write_page  # noqa: PLC0415 — figures are loaded when wanted
-    from mechstyle.study.tables import read_table  # noqa: PLC0415
 
     files = write_page([row for source in sources for row in read_table(source)], page, note=words)
     if as_json:
@@ -135,9 +135,9 @@ def _factors(crossed: dict[str, Any], settings: Settings, vertices: int, device:
 
 def _carried_out(study: str, factors: Factors, folder: Path, jobs: int, scheduler: str, *, as_json: bool) -> None:
     """Walk over the cells, then keep the table and print what came of them."""
+    from mechstyle.study.cells import write_table  # noqa: PLC0415
     from mechstyle.study.grids import cells_of  # noqa: PLC0415 — as above
     from mechstyle.study.statistics import wilson  # noqa: PLC0415
-    from mechstyle.study.tables import write_table  # noqa: PLC0415
     from mechstyle.study.walk import walk  # noqa: PLC0415
 
     cells = cells_of(study, factors)

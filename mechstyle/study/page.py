@@ -16,7 +16,7 @@ from mechstyle.errors import BadInput
 from mechstyle.records.sentences import EXPLANATION, MEANINGS, fall, length
 from mechstyle.study import figures
 from mechstyle.study.ablation import markdown
-from mechstyle.study.cells import Row
+from mechstyle.study.cells import Row, write_table
 from mechstyle.study.grids import CONDITIONS
 from mechstyle.study.statistics import (
     Equivalence,
@@ -31,7 +31,6 @@ from mechstyle.study.statistics import (
     wilcoxon,
     wilson,
 )  # fmt: skip
-from mechstyle.study.tables import write_table
 
 FREE = "freestyle"
 MARGIN = 5.0

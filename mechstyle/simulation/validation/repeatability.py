@@ -21,7 +21,7 @@ from mechstyle.geometry.remeshing import fill
 from mechstyle.records import Landing, Recipe, Simulation, Verdict, judge
 from mechstyle.records.mesh import Floats, SurfaceMesh, TetMesh
 from mechstyle.simulation.part import prepare
-from mechstyle.simulation.validation import second_impacts
+from mechstyle.simulation.validation import falls
 from mechstyle.simulation.validation.cases import Result, bounded, compared
 from mechstyle.simulation.validation.meshes import ball, box, bracket, cup, refined, roller
 from mechstyle.simulation.validation.reading import PLA, Body, Styled, period_of_body, styled_cup
@@ -84,12 +84,12 @@ def numerics() -> Iterator[Result]:
 
 def numerics_of_a_bar() -> Iterator[Result]:
     """The same of a bar that lands again in four of six tilts."""
-    body, ways = Body(second_impacts.BAR), second_impacts.tilted_ways()
+    body, ways = Body(falls.BAR), falls.tilted_ways()
     period = period_of_body(body.tets)
     usual = body.dropped(USUAL, ways, period)
     for name, longer, step in (("twice as long", 2.0, 1.0), ("half the step", 1.0, 0.5)):
         other = body.dropped(replace(USUAL, safety=step * USUAL.safety), ways, longer * period)
-        for tilt, one, before in zip(second_impacts.TILTS, other, usual, strict=True):
+        for tilt, one, before in zip(falls.TILTS, other, usual, strict=True):
             note = f"{one.stress:.2f} instead of {before.stress:.2f} MPa"
             error = abs(one.stress / before.stress - 1.0)
             yield bounded(f"numerics_bar: {name}, tilted {tilt:g}°", error, NEARLY if tilt > 10.0 else FLAT, note)
