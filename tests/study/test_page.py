@@ -66,7 +66,6 @@ def test_tests_are_told_with_what_they_rest_on(page):
     counted = ("Cochran's Q over 18 blocks", "18 pairs, exact McNemar after Holm", "Friedman over 18 blocks")
     for words in (*counted, "Welch: F(3, ", "Games–Howell p"):
         assert words in text
-    assert text.count("shown, p") == 12
 
 
 def test_runs_of_another_depth_are_no_partners(page, tmp_path):
@@ -74,8 +73,8 @@ def test_runs_of_another_depth_are_no_partners(page, tmp_path):
     deep = {"amplitude": 0.5, "style_loss": 9.0, "outcome": "FAILS"}
     deeper = [msgspec.structs.replace(row, **deep, recipe=f"deep {row.recipe}") for row in study() if row.arm == "freestyle"]
     write_page([*study(), *deeper], tmp_path / "study.md")
-    alike, both = (told[told.index("## Style loss") :] for told in (page[1], (tmp_path / "study.md").read_text()))
-    assert both[: both.index("![")] == alike[: alike.index("![")]
+    alike, both = ([line for line in text.splitlines() if "McNemar" in line] for text in (page[1], (tmp_path / "study.md").read_text()))
+    assert both == alike != []
 
 
 def test_a_part_that_was_also_run_coarsely_counts_once_in_the_style_alone(page, tmp_path):
@@ -141,7 +140,7 @@ def test_processor_time_is_that_of_runs_without_a_gpu(page, tmp_path):
              for row in rows for copy in (2, 3)]  # fmt: skip
     there[5] = msgspec.structs.replace(there[5], device="cpu", cpu_seconds=1e4)  # a way that was filled in, for it took too long there
     write_page([*rows, *there], tmp_path / "study.md")
-    alike, both = (told[told.index("## Time") : told.index("## Style loss")] for told in (page[1], (tmp_path / "study.md").read_text()))
+    alike, both = (told[told.index("## Time") : told.index("## What each")] for told in (page[1], (tmp_path / "study.md").read_text()))
     assert "says little; of the 216 runs of 648 whose part and style were simulated without a GPU in every way.\n" in both
     assert both[both.index("|") :] == alike[alike.index("|") :]
 
@@ -157,7 +156,7 @@ def test_the_style_alone_is_told_style_by_style(page):
 
 def test_every_figure_is_there_and_is_a_picture(page):
     files, text = page
-    names = {"freestyle", "passes", "time", "loss", "arms", "kept"}
+    names = {"freestyle", "passes", "time", "arms", "kept"}
     assert set(files) == {"page", "table", *names}
     for name in names:
         with Image.open(files[name]) as picture:
@@ -178,7 +177,6 @@ def test_too_little_is_told_and_not_tested(tmp_path):
     text = (tmp_path / "few.md").read_text()
     assert "2 blocks of part and style have every way: too few for a test" in text
     assert "McNemar" not in text
-    assert "## Style loss" not in text
 
 
 def test_what_did_not_run_is_told_with_its_reason(tmp_path):
