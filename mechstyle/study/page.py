@@ -251,8 +251,8 @@ def _mcnemar_words(done: Sequence[Row], ways: dict[str, list[Row]]) -> list[str]
     adjusted = holm([p for _, _, p in tested])
     if tested and max(adjusted) < SMALL:
         few, most = min(n for _, n, _ in tested), max(n for _, n, _ in tested)
-        count = f"{few}" if few == most else f"{few} to {most}"
-        return [f"* Each way against the style alone, {count} pairs, exact McNemar after Holm: p {_p(max(adjusted))}."]
+        counted = f"{few}" if few == most else f"{few} to {most}"
+        return [f"* Each way against the style alone, {counted} pairs, exact McNemar after Holm: p {_p(max(adjusted))}."]
     both = zip(tested, adjusted, strict=True)
     return [f"* {arm} against the style alone, {n} pairs, exact McNemar after Holm: p {_p(p)}." for (arm, n, _), p in both]
 
