@@ -14,9 +14,8 @@ from scipy.spatial import cKDTree
 
 from mechstyle._files import write_whole
 from mechstyle.errors import BadInput, SimulationFailed
-from mechstyle.fea.drop import resolve_device
+from mechstyle.fea.drop import History, resolve_device
 from mechstyle.fea.explicit import Progress, no_progress
-from mechstyle.fea.history import History
 from mechstyle.fea.snapshots import snapshot
 from mechstyle.geometry.proximity import TriangleTree
 from mechstyle.loop import minimum_wall as walls
@@ -29,11 +28,10 @@ from mechstyle.records.material import Material, material_named
 from mechstyle.records.mesh import STANDARD_VERTICES, Field, SurfaceMesh, TetMesh
 from mechstyle.records.recipe import DEFAULTS, direction_of
 from mechstyle.records.written import length_of
-from mechstyle.simulation.body import SEEN
 from mechstyle.simulation.drop_history import Course, history_picture, vtu_bytes, vtu_path
 from mechstyle.simulation.impact import Impact, impact_of
-from mechstyle.simulation.meshes import at_rest
-from mechstyle.simulation.part import Shape, Stage, Workpiece, cached_memo, fitted, prepare, standardised
+from mechstyle.simulation.meshes import SEEN
+from mechstyle.simulation.part import Shape, Stage, Workpiece, at_rest, cached_memo, fitted, prepare, standardised
 from mechstyle.simulation.physics import period_of, prescribed
 from mechstyle.simulation.simulator import Detail, DropSimulator
 
@@ -231,9 +229,7 @@ def _tested(
     """The test of a prepared part as it is, or of a relief on it [mm], shape [vertex_count]; `given` is the part as it was read."""
     memo, recipe = cached_memo(), fitted(wanted, part)
     displacement = np.zeros(len(part.surface.vertices), np.float32) if relief is None else relief
-    simulator = DropSimulator(
-        part.surface, part.tets, recipe, memo, memo, device=device, progress=progress, at=part.at, thickness=part.thickness
-    )
+    simulator = DropSimulator(part, recipe, memo, memo, device, progress)
     stage("dropping it")
     tets, detail = simulator.detail(displacement)
     original = None

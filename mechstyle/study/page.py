@@ -16,7 +16,7 @@ from mechstyle.errors import BadInput
 from mechstyle.records.sentences import EXPLANATION, MEANINGS, fall, length
 from mechstyle.study import figures
 from mechstyle.study.ablation import markdown
-from mechstyle.study.cells import Row
+from mechstyle.study.cells import Row, write_table
 from mechstyle.study.grids import CONDITIONS
 from mechstyle.study.statistics import (
     bootstrap_over,
@@ -28,7 +28,6 @@ from mechstyle.study.statistics import (
     welch_anova,
     wilson,
 )  # fmt: skip
-from mechstyle.study.tables import write_table
 
 FREE = "freestyle"
 LEAST = 5
@@ -153,7 +152,11 @@ def _what(own: Sequence[Row], done: Sequence[Row]) -> str:
 def _found(done: Sequence[Row]) -> str:
     """What was asked and found, before how it was run: a line for the style alone, for the ways of feedback and for each arm."""
     asked = "How many parts survive their fall with a style alone, and how many with feedback?"
-    lines = [f"* **The style alone**: {_counted(free)}. {_beside_published(free)}" for free in [_freely(done)] if free]
+    lines, free = list[str](), _freely(done)
+    if free:
+        by_their_rule = _share(sum(row.passes_published for row in free), len(free))
+        theirs = f"Published: {PUBLISHED[FREE]:g} % (46 of 180), by the largest stress at a point; by that rule here {by_their_rule}."
+        lines.append(f"* **The style alone**: {_counted(free)}. {theirs}")
     ways = [row for row in done if _is_way(row)]
     if ways:
         lines.append(f"* **Control and schedule**, no corrections at the end: {_counted(ways)}; {_extremes(ways)}.")
@@ -170,12 +173,6 @@ def _counted(rows: Sequence[Row]) -> str:
     passes, holds, doubts = (sum(of) for of in zip(*((row.passes, row.outcome == "HOLDS", not row.sure) for row in rows), strict=True))
     sure = "1 outcome is not sure" if doubts == 1 else f"{doubts} outcomes are not sure"
     return f"{_share(passes, len(rows))} pass, {holds} of them hold by themselves; {sure}"
-
-
-def _beside_published(free: Sequence[Row]) -> str:
-    """The published share of the style alone, which is by another rule, and what that rule says here."""
-    by_their_rule = _share(sum(row.passes_published for row in free), len(free))
-    return f"Published: {PUBLISHED[FREE]:g} % (46 of 180), by the largest stress at a point; by that rule here {by_their_rule}."
 
 
 def _extremes(ways: Sequence[Row]) -> str:
@@ -257,8 +254,8 @@ def _mcnemar_words(done: Sequence[Row], ways: dict[str, list[Row]]) -> list[str]
     adjusted = holm([p for _, _, p in tested])
     if tested and max(adjusted) < SMALL:
         few, most = min(n for _, n, _ in tested), max(n for _, n, _ in tested)
-        pairs = f"{few}" if few == most else f"{few} to {most}"
-        return [f"* Each way against the style alone, {pairs} pairs, exact McNemar after Holm: p {_p(max(adjusted))}."]
+        counted = f"{few}" if few == most else f"{few} to {most}"
+        return [f"* Each way against the style alone, {counted} pairs, exact McNemar after Holm: p {_p(max(adjusted))}."]
     both = zip(tested, adjusted, strict=True)
     return [f"* {arm} against the style alone, {n} pairs, exact McNemar after Holm: p {_p(p)}." for (arm, n, _), p in both]
 

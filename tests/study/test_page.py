@@ -11,12 +11,11 @@ from PIL import Image
 from mechstyle.errors import BadInput
 from mechstyle.records.sentences import EXPLANATION, MEANINGS, length
 from mechstyle.study import page as module
-from mechstyle.study.cells import Row, Rows
+from mechstyle.study.cells import Row, Rows, read_table, write_table
 from mechstyle.study.figures import _cell
 from mechstyle.study.grids import CONDITIONS, STUDY_CONTROLS, STUDY_SCHEDULES, STYLES
 from mechstyle.study.page import SLIPS, write_page
 from mechstyle.study.statistics import wilson
-from mechstyle.study.tables import read_table, write_table
 
 
 def study():
@@ -230,7 +229,7 @@ def test_a_parquet_table_of_another_measure_is_refused_as_well(tmp_path):
 
 def test_a_table_comes_back_as_it_was_also_as_parquet(tmp_path, monkeypatch):
     rows = study()[:20]
-    monkeypatch.setattr("mechstyle.study.tables._pyarrow", lambda: None)
+    monkeypatch.setattr("mechstyle.study.cells._pyarrow", lambda: None)
     assert read_table(write_table(rows, tmp_path / "plain")) == rows
     (tmp_path / "table.parquet").write_bytes(b"PAR1")
     with pytest.raises(BadInput, match="needs pyarrow"):
