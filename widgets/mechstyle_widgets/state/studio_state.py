@@ -18,7 +18,7 @@ from typing import Any, ClassVar
 
 import traitlets
 
-from mechstyle.loop.events import Checkpointed, Corrected, Event, Finished, SimulationStarted, Stylized
+from mechstyle.loop.engine import Checkpointed, Corrected, Event, Finished, SimulationStarted, Stylized
 from mechstyle.loop.history import Branch, Row, lanes, per_iteration, rows
 from mechstyle.loop.store import Store
 from mechstyle.records import Checkpoint, Simulation

@@ -1,0 +1,408 @@
+"""Load cases on a body: places picked once on the unstylized part, loads and stresses worked out on every morph of it.
+
+The outside of the body is looked at in points, many to a side: a piece that is smaller than the sides of the mesh, or cut off across them,
+then has its own area; where a piece ends at the edges of sides, the integral over them is exact.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import cached_property, partial
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy import sparse
+from scipy.sparse import coo_array, csr_array
+from scipy.sparse.csgraph import connected_components
+
+from mechstyle.errors import BadInput, SimulationFailed
+from mechstyle.fea.drop import GRAVITY
+from mechstyle.fea.elasticity import corner_gradients, displacement_gradients, equivalent_stress, stiffness_matrix, trace
+from mechstyle.fea.elements import ElementMesh, element_named, with_nodes
+from mechstyle.fea.linear_solvers import linear_fields, solver
+from mechstyle.records.load_cases import RESTING_FACE, Load, LoadCase, Patch, Place, Support
+from mechstyle.records.material import Material
+from mechstyle.records.mesh import Bools, Floats, Indices, SurfaceMesh, TetMesh, in_ball, on_floor
+
+SIDES: Indices = np.array([[0, 2, 1, 5, 4, 7], [0, 1, 3, 4, 6, 8], [0, 3, 2, 6, 5, 9], [1, 2, 3, 7, 8, 9]], dtype=np.int32)
+"""Nodes of each side of a tetrahedron: corners a, b, c, anticlockwise seen from outside, then the middles of ab, ac, bc."""
+
+SPLITS = 4
+"""A side is looked at in SPLITS² equal triangles, three points each."""
+
+
+def _points_of_a_triangle() -> Floats:
+    """Barycentric coordinates of points of equal weight that integrate quadratic polynomials exactly, shape [3 SPLITS², 3].
+
+    The three-point rule of degree two (Strang and Fix 1973) in each of the SPLITS² triangles that a regular division gives.
+    """
+    i, j = (index.ravel() for index in np.meshgrid(np.arange(SPLITS), np.arange(SPLITS), indexing="ij"))
+    up, down = i + j < SPLITS, i + j < SPLITS - 1
+    lowest = np.array([[0, 0], [1, 0], [0, 1]])
+    triangles = [np.stack([i[up], j[up]], axis=1)[:, None] + lowest, np.stack([i[down], j[down]], axis=1)[:, None] + 1 - lowest]
+    rule = np.full((3, 3), 1.0 / 6.0) + 0.5 * np.eye(3)
+    plane = (rule @ np.concatenate(triangles) / SPLITS).reshape(-1, 2)
+    return np.concatenate([1.0 - plane.sum(axis=1, keepdims=True), plane], axis=1)
+
+
+POINTS = _points_of_a_triangle()
+
+
+@dataclass(frozen=True, eq=False)
+class Boundary:
+    """The sides of a body that belong to one tetrahedron only.
+
+    Attributes:
+        mesh: The body.
+    """
+
+    mesh: ElementMesh
+
+    @cached_property
+    def sides(self) -> Indices:
+        """Nodes of every side, in the order of SIDES, shape [side_count, 3 or 6]."""
+        width = 3 if self.mesh.element.nodes == 4 else 6
+        sides = self.mesh.connectivity[:, SIDES[:, :width]].reshape(-1, width)
+        _, first, count = np.unique(np.sort(sides[:, :3], axis=1), axis=0, return_index=True, return_counts=True)
+        return np.ascontiguousarray(sides[np.sort(first[count == 1])])
+
+    @cached_property
+    def area_vectors(self) -> Floats:
+        """Outward normals times the area of the side [mm²], shape [side_count, 3]."""
+        a, b, c = (self.mesh.nodes[self.sides[:, corner]] for corner in range(3))
+        return 0.5 * np.cross(b - a, c - a)
+
+    @cached_property
+    def areas(self) -> Floats:
+        """Areas of the sides [mm²], shape [side_count]."""
+        return np.asarray(np.linalg.norm(self.area_vectors, axis=1))
+
+    @cached_property
+    def points(self) -> Floats:
+        """The points of every side [mm], shape [side_count, point_count, 3]."""
+        return np.einsum("pc,fcx->fpx", POINTS, self.mesh.nodes[self.sides[:, :3]])
+
+    def forces(self, inside: Bools, traction: Floats) -> Floats:
+        """Consistent nodal forces of a traction, f_a = ∫ N_a t dA [N], shape [node_count, 3].
+
+        Args:
+            inside: Which points of which sides the traction acts at, shape [side_count, point_count].
+            traction: t times the area of the whole side [N], shape [side_count, 3].
+        """
+        N = POINTS  # L_i of a linear triangle; L_i (2 L_i − 1) at the corners and 4 L_i L_j at the middles of a quadratic one
+        if self.sides.shape[1] > 3:
+            first, second = np.triu_indices(3, k=1)
+            N = np.concatenate([N * (2.0 * N - 1.0), 4.0 * N[:, first] * N[:, second]], axis=1)
+        shares = inside @ N / len(POINTS)
+        forces = np.zeros_like(self.mesh.nodes)
+        np.add.at(forces, self.sides, shares[:, :, None] * traction[:, None, :])
+        return forces
+
+
+TOUCH = 1e-6
+"""What lies on the border of a shape belongs to it, within this share of the body's size."""
+
+
+@dataclass(frozen=True, eq=False)
+class Picked:
+    """A piece of a boundary.
+
+    Attributes:
+        inside: Which points of which sides belong to it, shape [side_count, point_count].
+        nodes: Which nodes a support there holds, shape [node_count].
+    """
+
+    inside: Bools
+    nodes: Bools
+
+    def area(self, boundary: Boundary) -> float:
+        """Its area on a body, the one it was picked on or a morph of it [mm²]."""
+        return float(self.inside.mean(axis=1) @ boundary.areas)
+
+    def normals(self, boundary: Boundary) -> Floats:
+        """Mean outward unit normals of its sides at its nodes, shape [node_count, 3]; zero elsewhere."""
+        sides = self.inside.any(axis=1) | self.nodes[boundary.sides].all(axis=1)
+        total = np.zeros_like(boundary.mesh.nodes)
+        np.add.at(total, boundary.sides[sides], boundary.area_vectors[sides][:, None, :])
+        lengths = np.linalg.norm(total, axis=1, keepdims=True)
+        return np.divide(total, lengths, out=np.zeros_like(total), where=lengths > 0.0)
+
+
+def pick(boundary: Boundary, place: Place) -> Picked:
+    """The piece of an undeformed boundary at a place; BadInput if there is none."""
+    if not isinstance(place, Patch):
+        picked = _of_sides(boundary, on_floor(SurfaceMesh(boundary.mesh.nodes, boundary.sides[:, :3])))
+    elif place.facet is not None:
+        picked = _of_sides(boundary, _facet(boundary, np.array(place.facet), place.angle))
+    elif place.near is not None:
+        picked = _near(boundary, np.array(place.near[:3]), place.near[3])
+    else:
+        touch = TOUCH * float(np.ptp(boundary.mesh.nodes, axis=0).max())
+        picked = _within(boundary, partial(place.contains, margin=touch))
+    if not picked.inside.any():
+        if not isinstance(place, Patch):
+            why = "because the part has no flat face to stand on: pick a place by sphere, box or facet"
+            raise BadInput(f"{RESTING_FACE!r} selects nothing, {why}")
+        low, high = boundary.mesh.nodes.min(axis=0), boundary.mesh.nodes.max(axis=0)
+        span = ", ".join(f"{axis} {a:.1f} to {b:.1f}" for axis, a, b in zip("xyz", low, high, strict=True))
+        raise BadInput(f"{place.words} selects no surface: the part spans {span} mm")
+    return picked
+
+
+def _within(boundary: Boundary, shape: Callable[[Floats], Bools]) -> Picked:
+    """Boundary nodes in a shape; if fewer than three, the nodes of the faces it touches."""
+    inside = shape(boundary.points)
+    nodes = _nodes_of(boundary, np.ones(len(boundary.sides), dtype=bool)) & shape(boundary.mesh.nodes)
+    return Picked(inside, nodes if nodes.sum() >= 3 else _nodes_of(boundary, np.asarray(inside.any(axis=1))))
+
+
+def _near(boundary: Boundary, place: Floats, radius: float) -> Picked:
+    """Boundary nodes around the nearest surface point, on faces that face the same way as the one there."""
+    side, centre = _nearest(boundary, place)
+    same = np.asarray(boundary.area_vectors @ boundary.area_vectors[side] > 0.0)
+    whole = _within(boundary, lambda points: in_ball(points, centre, radius))
+    return Picked(whole.inside & same[:, None], whole.nodes & _nodes_of(boundary, same))
+
+
+def _of_sides(boundary: Boundary, sides: Bools) -> Picked:
+    return Picked(np.repeat(sides[:, None], len(POINTS), axis=1), _nodes_of(boundary, sides))
+
+
+def _nodes_of(boundary: Boundary, sides: Bools) -> Bools:
+    nodes = np.zeros(len(boundary.mesh.nodes), dtype=bool)
+    nodes[boundary.sides[sides]] = True
+    return nodes
+
+
+def _nearest(boundary: Boundary, place: Floats) -> tuple[int, Floats]:
+    """The side with the point nearest to a place, and that point."""
+    distance = np.linalg.norm(boundary.points - place, axis=-1)
+    side, point = np.unravel_index(int(distance.argmin()), distance.shape)
+    return int(side), boundary.points[side, point]
+
+
+def _facet(boundary: Boundary, place: Floats, angle: float) -> Bools:
+    """Sides that face as the one nearest to a place does, within an angle [degrees], and are connected with it by such sides."""
+    side, _ = _nearest(boundary, place)
+    normals = boundary.area_vectors / boundary.areas[:, None]
+    alike = np.asarray(normals @ normals[side] >= np.cos(np.radians(angle)) - 1e-9)
+    corners = boundary.sides[:, :3]
+    _, edge = np.unique(np.sort(corners[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1), axis=0, return_inverse=True)
+    owner = np.repeat(np.arange(len(corners)), 3)
+    kept = alike[owner]
+    meets = coo_array((np.ones(kept.sum()), (owner[kept], edge.ravel()[kept])), shape=(len(corners), int(edge.max()) + 1)).tocsr()
+    _, component = connected_components(meets @ meets.T, directed=False)
+    return np.asarray(component == component[side])
+
+
+RIGID = 1e-6
+"""A body is held in a rigid motion if it moves the supports by more than this share of the motion."""
+
+SAME_DIRECTION = 1e-4
+"""Two rollers at a node hold it in one direction only, if their normals differ by less than about 1°."""
+
+
+@dataclass(frozen=True, eq=False)
+class Response:
+    """Displacement and stress of a body under a static load.
+
+    Attributes:
+        displacement: u [mm], shape [node_count, 3].
+        von_mises: Equivalent stress at the Gauss points [MPa], von Mises unless layers are judged, shape [tet_count, points].
+        corners: The same at the corners of the tetrahedra [MPa], shape [tet_count, 4].
+        loads: Nodal loads f [N], shape [node_count, 3].
+        reactions: Forces of the supports r = K u − f [N], shape [node_count, 3]; zero where nothing is held.
+    """
+
+    displacement: Floats
+    von_mises: Floats
+    corners: Floats
+    loads: Floats
+    reactions: Floats
+
+    @property
+    def deflection(self) -> float:
+        """Largest displacement [mm]."""
+        return float(np.linalg.norm(self.displacement, axis=1).max())
+
+
+def stresses(material: Material, gradients: Floats, across: ArrayLike = (0.0, 0.0, 0.0)) -> Floats:
+    """Equivalent stress of σ = λ tr(ε) I + 2μ ε [MPa], shape [...], of displacement gradients, shape [..., 3, 3]."""
+    strain = 0.5 * (gradients + np.swapaxes(gradients, -1, -2))
+    stress = material.lame_lambda * trace(strain)[..., None, None] * np.eye(3) + 2.0 * material.shear_modulus * strain
+    return equivalent_stress(stress, across)
+
+
+@dataclass(frozen=True, eq=False)
+class Restraint:
+    """Admissible nodal displacements, u = Z q.
+
+    Attributes:
+        basis: Z, orthonormal columns, shape [3 node_count, free_count].
+        held: Which nodes are held in some direction, shape [node_count].
+    """
+
+    basis: sparse.csc_array
+    held: Bools
+
+    @classmethod
+    def of(cls, boundary: Boundary, supports: list[tuple[Support, Picked]]) -> Restraint:
+        """The motion that supports leave; BadInput if the whole body could still move freely."""
+        nodes = boundary.mesh.nodes
+        across = np.zeros((len(nodes), 3, 3))  # Σ n ⊗ n over the directions a node is held in; supports may meet at a node
+        for support, picked in supports:
+            normals = picked.normals(boundary)
+            held = normals[:, :, None] * normals[:, None, :] if support.kind == "roller" else np.eye(3)
+            across += np.where(picked.nodes[:, None, None], held, 0.0)
+        strength, directions = np.linalg.eigh(across)
+        frames, fixed = np.swapaxes(directions, 1, 2), strength > SAME_DIRECTION
+        _refuse_free_motion(nodes, frames, fixed)
+        blocks = np.arange(len(directions) + 1)
+        turned = sparse.bsr_array((directions, blocks[:-1], blocks)).tocsc()
+        return cls(turned[:, np.flatnonzero(~fixed.ravel())], np.asarray(fixed.any(axis=1)))
+
+
+def solve(
+    mesh: ElementMesh, material: Material, restraint: Restraint, loads: list[Floats], across: ArrayLike = (0.0, 0.0, 0.0)
+) -> list[Response]:
+    """The response to each of several load vectors [N], each of shape [node_count, 3].
+
+    `across` is that of `elasticity.equivalent_stress`.
+    """
+    K, Z = stiffness_matrix(mesh, material), restraint.basis
+    try:
+        solution = solver(csr_array(Z.T @ K @ Z), csr_array(Z.T @ linear_fields(mesh.connectivity, len(mesh.nodes))))
+    except (RuntimeError, MemoryError) as error:
+        raise SimulationFailed(f"the load cases could not be solved: {error}") from error
+    responses = []
+    for load in loads:
+        u = Z @ solution(Z.T @ load.ravel())
+        if not np.isfinite(u).all():
+            raise SimulationFailed("the load cases could not be solved: the displacement is not a finite number")
+        displacement = u.reshape(-1, 3)
+        reactions = np.where(restraint.held[:, None], (K @ u).reshape(-1, 3) - load, 0.0)
+        points, corners = (stresses(material, at(mesh, displacement), across) for at in (displacement_gradients, corner_gradients))
+        responses.append(Response(displacement, points, corners, load, reactions))
+    return responses
+
+
+def _refuse_free_motion(nodes: Floats, frames: Floats, fixed: Bools) -> None:
+    """BadInput that names the rigid motion the supports leave, if they leave one."""
+    centre = nodes.mean(axis=0)
+    size = float(np.linalg.norm(np.ptp(nodes, axis=0)))
+    arms = (nodes - centre) / size
+    turns = np.cross(np.eye(3)[None], arms[:, None]).transpose(0, 2, 1)
+    motions = np.concatenate([np.broadcast_to(np.eye(3), turns.shape), turns], axis=2)
+    at_supports = (frames @ motions)[fixed]
+    held = at_supports.T @ at_supports / max(len(at_supports), 1)
+    strength, free = np.linalg.eigh(held)
+    if strength[0] > RIGID**2:
+        return
+    shift, turn = free[:3, 0], free[3:, 0]
+    motion, axis = ("slide along", shift) if np.linalg.norm(turn) < np.linalg.norm(shift) else ("turn about", turn)
+    x, y, z = axis / np.linalg.norm(axis) + 0.0
+    raise BadInput(f"the supports do not hold the part: it can still {motion} ({x:.2f}, {y:.2f}, {z:.2f}); add a support or fix one")
+
+
+BODY_SHARES = {"tet4": np.full(4, 1.0 / 4.0), "tet10": np.array([-1.0 / 20.0] * 4 + [1.0 / 5.0] * 6)}
+"""∫ N_a dV / V by element: the share of a body force that goes to each node (Zienkiewicz and Taylor, vol. 1, §8.8)."""
+
+
+@dataclass(frozen=True, eq=False)
+class StaticTest:
+    """The load cases of one part.
+
+    Attributes:
+        tets: The unstylized part, on which places are picked.
+        cases: Its load cases.
+        element: `tet10` or `tet4`; linear tetrahedra are several times too stiff in thin walls.
+    """
+
+    tets: TetMesh
+    cases: tuple[LoadCase, ...]
+    element: str = "tet10"
+
+    def check(self) -> None:
+        """Refuse now what needs no solution to be seen: a place that selects nothing, a case that does not hold the part."""
+        _ = self._restraints
+
+    def run(self, tets: TetMesh, material: Material, across: ArrayLike = (0.0, 0.0, 0.0)) -> dict[str, Response]:
+        """The response of a morph of the part to every case, by the case's name; one factorisation per set of supports.
+
+        Args:
+            tets: A morph of the part.
+            material: Its material.
+            across: Of its printed layers, as for `elasticity.equivalent_stress`.
+
+        Raises:
+            BadInput: If a place selects nothing, a case does not hold the part, or its loads cancel out at every node.
+            SimulationFailed: If the equations cannot be solved.
+        """
+        boundary = Boundary(with_nodes(tets, element_named(self.element)))
+        loads: dict[str, Floats] = {}
+        for case in self.cases:
+            each = (self._nodal_load(load, boundary, material) for load in case.loads)
+            loads[case.name] = sum(each, np.zeros_like(boundary.mesh.nodes))
+            if not loads[case.name].any():
+                raise BadInput(f"load case {case.name!r}: its loads cancel out everywhere; leave it out or change a load")
+        responses: dict[str, Response] = {}
+        for supports, restraint in self._restraints.items():
+            names = [case.name for case in self.cases if case.supports == supports]
+            responses |= zip(names, solve(boundary.mesh, material, restraint, [loads[name] for name in names], across), strict=True)
+        return {case.name: responses[case.name] for case in self.cases}
+
+    @cached_property
+    def _undeformed(self) -> Boundary:
+        return Boundary(with_nodes(self.tets, element_named(self.element)))
+
+    @cached_property
+    def _picked(self) -> dict[Place, Picked]:
+        """Every place that a case names."""
+        picked = dict[Place, Picked]()
+        for case in self.cases:
+            places = [support.at for support in case.supports] + [load.at for load in case.loads if load.at is not None]
+            for place in places:
+                if place not in picked:
+                    with _naming(case):
+                        picked[place] = pick(self._undeformed, place)
+        return picked
+
+    @cached_property
+    def _restraints(self) -> dict[tuple[Support, ...], Restraint]:
+        """The motion every set of supports leaves."""
+        restraints = dict[tuple[Support, ...], Restraint]()
+        for case in self.cases:
+            if case.supports not in restraints:
+                held = [(support, self._picked[support.at]) for support in case.supports]
+                with _naming(case):
+                    restraints[case.supports] = Restraint.of(self._undeformed, held)
+        return restraints
+
+    def _nodal_load(self, load: Load, boundary: Boundary, material: Material) -> Floats:
+        """Consistent nodal forces of one load [N], shape [node_count, 3]."""
+        if load.gravity is not None:
+            down = np.array(load.direction) / np.linalg.norm(load.direction)
+            return weight(boundary.mesh, material.density, load.gravity * GRAVITY * down)
+        assert load.at is not None, "a load case refuses a force or pressure without a place"
+        picked = self._picked[load.at]
+        if load.force is not None:
+            return boundary.forces(picked.inside, np.outer(boundary.areas / picked.area(boundary), load.force))
+        assert load.pressure is not None, "a load is a force, a pressure or gravity"
+        return boundary.forces(picked.inside, -load.pressure * boundary.area_vectors)
+
+
+@contextmanager
+def _naming(case: LoadCase) -> Iterator[None]:
+    """Say which case a complaint is about."""
+    try:
+        yield
+    except BadInput as error:
+        raise BadInput(f"load case {case.name!r}: {error}") from error
+
+
+def weight(mesh: ElementMesh, density: float, acceleration: Floats) -> Floats:
+    """Nodal forces of a body force, f_a = ∫ N_a ρ g dV [N], shape [node_count, 3]; `acceleration` g [mm/ms²] is [3]."""
+    shares = np.outer(density * mesh.tets.volumes, BODY_SHARES[mesh.element.name])
+    return np.asarray(np.bincount(mesh.connectivity.ravel(), shares.ravel(), len(mesh.nodes))[:, None] * acceleration)

@@ -1,0 +1,75 @@
+"""Loads scaled to what the plain part carries: in proportion, once for all runs of a study, and the same for each."""
+
+import pytest
+
+from mechstyle.fea.statics import StaticTest
+from mechstyle.fea.stressed_volume import LOADED, Walls, at_nodes, exceeded
+from mechstyle.gallery import make, use_of
+from mechstyle.records.load_cases import Load, LoadCase, Patch, Support
+from mechstyle.runs.recipes import draft
+from mechstyle.simulation.part import prepare
+from mechstyle.study import cells as module
+from mechstyle.study.cells import LoadFactor, scaled, with_loads, words_of
+
+PULLED = LoadCase(
+    name="pulled",
+    supports=(Support(at="resting face"),),
+    loads=(Load(at=Patch(sphere=(0, 0, 9, 4)), force=(3.0, 0.0, -4.0)), Load(gravity=2.0)),
+)
+
+
+def test_every_load_of_a_case_is_multiplied_and_its_place_is_kept():
+    pressed = LoadCase(name="pressed", supports=PULLED.supports, loads=(Load(at="resting face", pressure=0.5),))
+    assert scaled(PULLED, 2.0).loads == (Load(at=PULLED.loads[0].at, force=(6.0, 0.0, -8.0)), Load(gravity=4.0))
+    assert scaled(pressed, 3.0).loads[0].pressure == 1.5
+    assert scaled(PULLED, 2.0).supports == PULLED.supports
+
+
+def test_a_case_is_named_with_its_size():
+    assert words_of(PULLED) == "pulled, 5 N, 2 × its weight"
+    assert words_of(scaled(PULLED, 140.6)) == "pulled, 703 N, 281 × its weight"
+
+
+@pytest.fixture
+def factors(monkeypatch):
+    """A plain part that carries a hundred times the case, and how often it was asked."""
+    asked = []
+
+    def load_factors(recipe, model, vertices):
+        asked.append(vertices)
+        return tuple(LoadFactor(case=case.name, stress=0.456, factor=100.0) for case in recipe.test.loads)
+
+    monkeypatch.setattr(module, "load_factors", load_factors)
+    return asked
+
+
+def test_what_the_plain_part_carries_is_worked_out_once_for_each_case_material_and_resolution(factors, tmp_path):
+    model, recipe = make("coaster"), draft("brick", loads=[PULLED])
+    found = with_loads(recipe, model, 900, share=0.85, folder=tmp_path)
+    assert found.test.loads[0].loads[0].force == pytest.approx((255.0, 0.0, -340.0))
+    assert [name for name, *_ in found.differences(recipe)] == ["loads"]
+    assert with_loads(draft("stone", loads=[PULLED]), model, 900, share=0.85, folder=tmp_path).test.loads == found.test.loads
+    assert factors == [900]
+    for asked in (draft("brick", "PETG", loads=[PULLED]), draft("brick", loads=[scaled(PULLED, 2.0)])):
+        with_loads(asked, model, 900, share=0.85, folder=tmp_path)
+    with_loads(recipe, model, 1200, share=0.85, folder=tmp_path)
+    assert factors == [900, 900, 900, 1200]
+
+
+def test_a_file_that_a_killed_writer_broke_is_made_again(factors, tmp_path):
+    model, recipe = make("coaster"), draft("brick", loads=[PULLED])
+    found = with_loads(recipe, model, 900, share=0.85, folder=tmp_path)
+    (path,) = tmp_path.glob("*.json")
+    path.write_bytes(path.read_bytes()[:20])
+    assert with_loads(recipe, model, 900, share=0.85, folder=tmp_path) == found
+    assert len(factors) == 2
+
+
+def test_under_the_scaled_load_the_plain_part_reads_that_share_of_its_strength(tmp_path):
+    model, recipe = make("wall_hook"), draft("brick", loads=[use_of("gallery:wall_hook")])
+    found = with_loads(recipe, model, 900, share=0.85, folder=tmp_path)
+    part = prepare(model, vertices=900)
+    (response,) = StaticTest(part.tets, found.test.loads, found.test.element).run(part.tets, found.test.material).values()
+    weights = Walls(part.surface.vertices, part.thickness).weights(part.tets)
+    stress = exceeded(part.tets, at_nodes(part.tets, response.corners), weights, LOADED**3).stress
+    assert stress == pytest.approx(0.85 * found.test.material.yield_strength, rel=1e-4)
