@@ -133,19 +133,16 @@ class Renderer:
         view = pixel // count
         corners = taken(surface.flatten(0, 1), self._corners.index_select(1, shown) + view * surface.shape[1])
         place, beside = corners.split([2, corners.shape[-1] - 2], dim=-1)
-        areas = self._areas(place, pixel % count)
+        # Twice the areas [pixels²] that pixel centres span with each corner's opposite side, shape [3, k].
+        x, y = (pixel % count % self._size).to(corners) + 0.5, (pixel % count // self._size).to(corners) + 0.5
+        (ax, ay), (bx, by), (cx, cy) = (corner.unbind(dim=1) for corner in place)
+        ax, bx, cx, ay, by, cy = ax - x, bx - x, cx - x, y - ay, y - by, y - cy
+        areas = torch.stack([bx * cy - by * cx, cx * ay - cy * ax, ax * by - ay * bx])
         samples = _smooth_look(light, beside, _held(areas, ~steady.index_select(0, shown)), view)
         empty = self._empty.to(surface)
         if self._static:
             return torch.where(seen[:, None], samples, empty).T.contiguous()
         return empty.repeat(len(face), 1).index_copy(0, pixel, samples).T.contiguous()
-
-    def _areas(self, corners: torch.Tensor, pixel: torch.Tensor) -> torch.Tensor:
-        """Twice the areas [pixels²] that pixel centres span with each corner's opposite side, shape [3, k]; corners of shape [3, k, 2]."""
-        x, y = (pixel % self._size).to(corners) + 0.5, (pixel // self._size).to(corners) + 0.5
-        (ax, ay), (bx, by), (cx, cy) = (corner.unbind(dim=1) for corner in corners)
-        ax, bx, cx, ay, by, cy = ax - x, bx - x, cx - x, y - ay, y - by, y - cy
-        return torch.stack([bx * cy - by * cx, cx * ay - cy * ax, ax * by - ay * bx])
 
 
 def _smooth_look(light: torch.Tensor, corners: torch.Tensor, weights: torch.Tensor, view: torch.Tensor) -> torch.Tensor:
