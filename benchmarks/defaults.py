@@ -14,9 +14,8 @@ from statistics import mean, median
 import msgspec
 
 from mechstyle.study.ablation import markdown
-from mechstyle.study.cells import Row
+from mechstyle.study.cells import Row, read_table
 from mechstyle.study.grids import ARMS, CONDITIONS
-from mechstyle.study.tables import read_table
 
 DOCS = Path(__file__).parent.parent / "docs"
 WORTH_TELLING = 0.9

@@ -18,6 +18,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -46,18 +47,21 @@ studio = Studio("gallery:pen_holder")
 studio
 """
 FINE = """
-from mechstyle_widgets import Studio
-studio = Studio("gallery:wall_hook", vertices=25_000)
-studio
-"""
-PREVIEWED = """
 import time
-hang, arrived = studio.previewer._arrived, []
+began = time.time()
+from mechstyle_widgets import Studio
+loaded = time.time()
+studio = Studio("gallery:wall_hook", vertices=25_000)
+made, arrived = time.time(), []
+hang = studio.previewer._arrived
 def noted(preview):
     arrived.append(1000.0 * time.time())
     hang(preview)
 studio.previewer._arrived = noted
+studio
 """
+PARTS = "print(1000.0 * (loaded - began), 1000.0 * (made - loaded), arrived[0] - 1000.0 * made, arrived[0])"
+"""Of opening a Studio in the kernel: loading, making its controls, drawing the style [ms]; and when that was done, by its clock."""
 RUNNING = """
 from mechstyle_widgets import Studio
 quick = {"vertices": 8000, "orientations": 1, "nearly_flat": False, "window": 0.3, "element": "tet4", "schedule": "every", "every": 10}
@@ -151,6 +155,7 @@ class Page:
         self.page.set_default_timeout(browser.PATIENCE)
         self.notebook = browser.Notebook(self.page, lab, name)
         self.devtools = self.page.context.new_cdp_session(self.page)
+        self.devtools.send("Network.enable")
         self.notebook.open(cell)
         self.notebook.canvas().wait_for()
 
@@ -215,25 +220,47 @@ def of_viewer(shown: Page) -> Iterator[Row]:
 
 
 def of_preview(shown: Page) -> Iterator[Row]:
-    """From running the cell until the style stands on the part, and from choosing another until that does, for a run of 25k vertices."""
+    """From running the cell until the style stands on the part, its parts, and from choosing another style, for a run of 25k vertices."""
     there = shown.page.get_by_text("Changes as you choose").first
     there.wait_for()
-    times = []
-    for _ in range(OPENINGS):
-        began = time.perf_counter()
-        shown.rerun()
-        there.wait_for()
-        times.append(1000.0 * (time.perf_counter() - began))
-    yield "Studio: its cell is run again, until the style is on the part", spread(times), f"{OPENED:g} ms"
+    loaded, made, drawn, _ = map(float, shown.notebook.python(PARTS).split())
+    yield "Kernel: first Studio loaded, made, style drawn", f"{loaded:.0f}, {made:.0f}, {drawn:.0f} ms", ""
+    yield from of_reopening(shown, "software WebGL")
     shown.page.evaluate(WATCH)
-    shown.notebook.python(PREVIEWED)
     times = []
-    for count, style in enumerate(STYLES, start=1):
+    for count, style in enumerate(STYLES, start=2):
         sent = float(shown.notebook.python(f"print(1000.0 * time.time()); studio.prompt_box.prompt = {style!r}"))
         shown.notebook.until("len(arrived)", count)
         came = float(shown.notebook.python("print(arrived[-1])"))
         times.append(came - sent + drawn_after(shown, came))
     yield "Studio: another style on the part", spread(times), f"{PREVIEW:g} ms"
+    shown.page.evaluate(UNDRAWN)
+    yield from of_reopening(shown, "nothing rasterised")
+
+
+def of_reopening(shown: Page, how: str) -> Iterator[Row]:
+    """From running a Studio's cell again until the style stands on the part, and what that is made of."""
+    times, parts = [], []
+    for _ in range(OPENINGS):
+        received: list[int] = []
+        heard = partial(_count, received)
+        shown.devtools.on("Network.webSocketFrameReceived", heard)
+        began = time.time()
+        shown.rerun()
+        shown.page.get_by_text("Changes as you choose").first.wait_for()
+        times.append(1000.0 * (time.time() - began))
+        shown.devtools.remove_listener("Network.webSocketFrameReceived", heard)
+        _, made, drawn, done = map(float, shown.notebook.python(PARTS).split())
+        parts.append((made, drawn, 1000.0 * began + times[-1] - done, sum(received) / 1e6))
+    yield f"Studio: its cell is run again, until the style is on the part, {how}", spread(times), f"{OPENED:g} ms"
+    made, drawn, page, sent = (median(column) for column in zip(*parts, strict=True))
+    yield "of it", f"kernel: {made:.0f} ms to make, {drawn:.0f} ms to its style; page: {page:.0f} ms more; {sent:.1f} MB sent", ""
+
+
+def _count(received: list[int], frame: dict[str, Any]) -> None:
+    """Note the bytes of a message from the kernel."""
+    data = frame["response"]["payloadData"]
+    received.append(len(data) if frame["response"]["opcode"] == 1 else len(data) * 3 // 4)
 
 
 def of_scrubbing(shown: Page) -> Iterator[Row]:

@@ -22,7 +22,7 @@ from mechstyle import gallery
 from mechstyle.fea.discretisation import discretise
 from mechstyle.fea.drop import DropTest, scheme_for
 from mechstyle.fea.elements import element_named
-from mechstyle.fea.period import lowest_period
+from mechstyle.fea.linear_solvers import lowest_period
 from mechstyle.geometry.proximity import TriangleTree
 from mechstyle.geometry.remeshing.crossings import crossings
 from mechstyle.geometry.remeshing.evening import even

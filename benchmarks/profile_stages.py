@@ -27,8 +27,7 @@ from mechstyle import gallery
 from mechstyle.cli.run import finish
 from mechstyle.fea.drop import resolve_device
 from mechstyle.loop.correction import Correction
-from mechstyle.loop.engine import Engine
-from mechstyle.loop.events import Event, Simulated
+from mechstyle.loop.engine import Engine, Event, Simulated
 from mechstyle.records.mesh import QUICK_VERTICES, STANDARD_VERTICES
 from mechstyle.runs import run as runs
 from mechstyle.runs import stylizers

@@ -73,7 +73,7 @@ def found(part: str, way: str, vertices: int, material: str, device: str) -> Fou
         piece = prepare(surface_in(part, way), vertices=asked)
         recipe = fitted(Recipe.of(prompt="", material=material_named(material)), piece)
         where = resolve_device(device)
-        simulator = DropSimulator(piece.surface, piece.tets, recipe, cached_memo(), device=where, thickness=piece.thickness)
+        simulator = DropSimulator(piece, recipe, cached_memo(), device=where)
         simulation = simulator.baseline
     except MechStyleError as error:
         return Found(part=part, way=way, vertices=asked, failure=str(error))
@@ -91,13 +91,13 @@ def surface_in(part: str, way: str):  # noqa: ANN201 — a SurfaceMesh, imported
     """The surface of a part in one way."""
     from mechstyle import gallery  # noqa: PLC0415
     from mechstyle.records.mesh import SurfaceMesh  # noqa: PLC0415
-    from mechstyle.simulation.validation.repeatability import about_z, moved  # noqa: PLC0415
+    from mechstyle.simulation.validation.repeatability import about_z, transformed  # noqa: PLC0415
 
     surface = gallery.make(part)
     if way.startswith("turned"):
-        return moved(surface, about_z(float(way.removeprefix("turned ").removesuffix("°"))))
+        return transformed(surface, about_z(float(way.removeprefix("turned ").removesuffix("°"))))
     if way == "mirrored":
-        return moved(surface, np.diag([-1.0, 1.0, 1.0]))
+        return transformed(surface, np.diag([-1.0, 1.0, 1.0]))
     if way == "renumbered":
         order = np.random.default_rng(0).permutation(len(surface.vertices))
         place = np.argsort(order).astype(np.int32)

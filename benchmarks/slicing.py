@@ -24,7 +24,7 @@ import mechstyle as ms
 from mechstyle.gallery import names
 from mechstyle.gallery.style_sheet import Specimen
 from mechstyle.geometry.files import save
-from mechstyle.loop.bounds import unrestrained
+from mechstyle.loop.bounds import unrestrained_relief
 from mechstyle.runs.printing import Printing, write_for_printing
 from mechstyle.runs.recipes import draft
 from mechstyle.simulation.part import Shape, bounds_for
@@ -66,7 +66,7 @@ def measure(part: str, style: str, folder: Path) -> Sliced:
     plain, (styled, _) = specimen.surface, specimen.styled(read(style).wishes[0])
     asked = np.einsum("ij,ij->i", styled.vertices - plain.vertices, plain.vertex_normals).astype(np.float32)
     bounds, _ = bounds_for(Shape(plain, specimen.thickness.astype(np.float32)), recipe)
-    mesh = plain.displaced(unrestrained(asked, bounds, recipe)).coloured(styled.colours)
+    mesh = plain.displaced(unrestrained_relief(asked, bounds, recipe)).coloured(styled.colours)
     files = [folder / f"{part}.3mf", folder / f"{part}.stl"]
     plan = write_for_printing(files[0], mesh, cast("Any", None), recipe, Printing())  # the part is asked for two bodies alone
     save(mesh, files[1])

@@ -33,13 +33,12 @@ from mechstyle.geometry.remeshing.evening import even
 from mechstyle.geometry.remeshing.filling import KEPT, fill
 from mechstyle.geometry.thickness import local_thickness
 from mechstyle.geometry.transfer import Transfer
-from mechstyle.loop.events import Event, Stylized
+from mechstyle.loop.engine import Event, Stylized
 from mechstyle.records.material import LIBRARY
 from mechstyle.records.mesh import STANDARD_VERTICES, SurfaceMesh, TetMesh
 from mechstyle.runs.recipes import plan
 from mechstyle.runs.run import begin
-from mechstyle.simulation.meshes import TETS_PER_KEPT_VERTEX
-from mechstyle.simulation.part import Workpiece
+from mechstyle.simulation.part import TETS_PER_KEPT_VERTEX, Workpiece
 from mechstyle.styling.dimensions import Dimensions
 from mechstyle.styling.drawn import Target, target
 from mechstyle.styling.prompt import Wish

@@ -23,10 +23,10 @@ if TYPE_CHECKING:
     from mechstyle.records.mesh import SurfaceMesh
     from mechstyle.records.regions import Box, HalfSpace, Sphere
     from mechstyle.runs.deepest import deepest
-    from mechstyle.runs.plugins import register_stylizer
     from mechstyle.runs.printing import Printing
     from mechstyle.runs.protection import protect
     from mechstyle.runs.run import Run, stylize
+    from mechstyle.runs.stylizers import register_stylizer
     from mechstyle.simulation.part_test import PartTest, simulate
     from mechstyle.simulation.strengthen import strengthen
 
@@ -52,7 +52,7 @@ _WHERE = {
     "deepest": "runs.deepest",
     "load": "gallery",
     "protect": "runs.protection",
-    "register_stylizer": "runs.plugins",
+    "register_stylizer": "runs.stylizers",
     "save": "geometry.files",
     "simulate": "simulation.part_test",
     "strengthen": "simulation.strengthen",

@@ -1,5 +1,6 @@
 """The pages: each is reached from the first, short, plain, names what exists; every link leads somewhere; generated pages are whole."""
 
+import ast
 import importlib
 import re
 import sys
@@ -153,8 +154,7 @@ def test_the_citation_names_this_version():
 
 
 JUDGES = {
-    "stressed_volume": "fea", "verdict": "records", "orientations": "fea", "footprint": "fea", "body": "simulation",
-    "simulation": "records", "phases": "fea",
+    "stressed_volume": "fea", "verdict": "records", "orientations": "fea", "meshes": "simulation", "simulation": "records", "phases": "fea",
 }  # fmt: skip
 """Rooms of the modules whose constants can move an outcome."""
 
@@ -165,6 +165,24 @@ def test_the_table_of_constants_tells_their_values_and_has_a_dozen_at_most():
     for module, name, told in rows:
         value = getattr(importlib.import_module(f"mechstyle.{JUDGES[module]}.{module}"), name)
         assert float(told) in (value.values() if isinstance(value, dict) else (value,)), name
+
+
+def imported_by(module: str) -> set[str]:
+    """Modules that a module imports something of, those included in which the names of a package are defined."""
+    found = set()
+    for node in ast.walk(ast.parse(Path(importlib.import_module(module).__file__).read_text())):
+        for alias in node.names if isinstance(node, ast.ImportFrom) else ():
+            value = getattr(importlib.import_module(node.module), alias.name, None)
+            found |= {node.module, f"{node.module}.{alias.name}", getattr(value, "__module__", "")}
+    return found
+
+
+def test_the_walk_from_a_surface_to_its_verdict_is_short_and_leads_from_file_to_file():
+    page = (ROOT / "docs" / "design.md").read_text().split("## From a surface to its verdict")[1].split("\n## ")[0]
+    walk = [f"mechstyle.{name.replace('/', '.')}" for name in re.findall(r"^\d+\. `([\w/]+)`", page, re.MULTILINE)]
+    assert 8 < len(walk) <= 12
+    for place, module in enumerate(walk[1:], start=1):
+        assert any(module in imported_by(above) for above in walk[:place]), f"nothing above it imports {module}"
 
 
 def test_what_shows_that_nothing_is_passed_that_fails_is_there():

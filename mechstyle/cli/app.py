@@ -94,7 +94,7 @@ def _say_version(wanted: bool) -> None:
 
 
 @app.callback()
-def of_all_commands(
+def options_of_all(
     *,
     version: Annotated[bool, typer.Option("--version", callback=_say_version, is_eager=True, help="Show the version and exit.")] = False,
 ) -> None:

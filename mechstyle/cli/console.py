@@ -11,7 +11,7 @@ import unicodedata
 import warnings
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
-from typing import Any, NoReturn, ParamSpec, TypeVar
+from typing import TYPE_CHECKING, Any, NoReturn, ParamSpec, TypeVar
 
 import msgspec
 from rich import markup
@@ -21,8 +21,10 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn
 from rich.table import Table
 
 from mechstyle.errors import MechStyleError
-from mechstyle.loop.events import Corrected, Event, Finished, Simulated, SimulationStarted, Stylized
 from mechstyle.records import Verdict, sentences
+
+if TYPE_CHECKING:
+    from mechstyle.loop.engine import Event
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -163,7 +165,7 @@ LINE_EVERY = 10.0
 """Time between two lines where no bar can be shown [s]."""
 
 
-class Teller:
+class ProgressDisplay:
     """Shows what a run is doing: a bar over the iterations, the stage in hand, time left, a line per simulation."""
 
     def __init__(self, progress: Progress, iterations: int) -> None:
@@ -203,6 +205,8 @@ class Teller:
 
     def event(self, event: Event) -> None:
         """Show an event."""
+        from mechstyle.loop.engine import Corrected, Finished, Simulated, SimulationStarted, Stylized  # noqa: PLC0415 — with scipy
+
         if isinstance(event, Stylized):
             self._progress.update(self._task, completed=event.iteration, description="stylizing")
         elif isinstance(event, SimulationStarted):
@@ -226,7 +230,7 @@ def lines(say: Callable[[], None], over: Callable[[float], bool]) -> None:
 
 
 @contextmanager
-def telling(iterations: int, *, quiet: bool) -> Iterator[Teller]:
+def progress_shown(iterations: int, *, quiet: bool) -> Iterator[ProgressDisplay]:
     """Progress on stderr while the block runs; none if `quiet`."""
     columns: list[Any] = [
         SpinnerColumn(),
@@ -240,7 +244,7 @@ def telling(iterations: int, *, quiet: bool) -> Iterator[Teller]:
     with Progress(*columns, console=err, disable=quiet, transient=True) as progress:
         if quiet:
             progress.console.quiet = True
-        teller, over = Teller(progress, iterations), threading.Event()
+        teller, over = ProgressDisplay(progress, iterations), threading.Event()
         if not (quiet or progress.console.is_terminal):  # a log file, a notebook's cell or a job shows no bar, and a mesh takes minutes
             threading.Thread(target=lines, args=(teller.line, over.wait), name="mechstyle-lines", daemon=True).start()
         try:

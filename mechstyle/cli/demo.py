@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from mechstyle.cli.console import command, err, escape, headline, in_colour, out, print_json, table, telling
+from mechstyle.cli.console import command, err, escape, headline, in_colour, out, print_json, progress_shown, table
 from mechstyle.cli.options import Device, Json, Settings, Vertices, recipe_options, typed_as
 from mechstyle.cli.run import carry_out
 from mechstyle.records import sentences
@@ -144,7 +144,7 @@ def prepare_command(
     """Mesh every part for every style and drop every plain part, so that pupils wait for their own drops only."""
     from mechstyle.study.classroom import prepare  # noqa: PLC0415 — physics is loaded when something is run
 
-    with telling(len(models) * len(prompts), quiet=as_json) as teller:
+    with progress_shown(len(models) * len(prompts), quiet=as_json) as teller:
         tasks = prepare(models, prompts, settings, vertices=vertices, folder=folder, device=device, stage=teller.stage)
     page = folder / "commands.md"
     if as_json:

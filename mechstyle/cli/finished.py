@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from mechstyle.cli.console import command, escape, out, print_json, table, telling
+from mechstyle.cli.console import command, escape, out, print_json, progress_shown, table
 from mechstyle.cli.options import Device, Json
 from mechstyle.errors import BadInput
 from mechstyle.gallery import PREFIX
@@ -37,7 +37,7 @@ def rerun_command(
 
     run = Run.open(address, device)
     root = run.store.root.resolve()
-    with telling(run.recipe.schedule.iterations, quiet=as_json) as teller:
+    with progress_shown(run.recipe.schedule.iterations, quiet=as_json) as teller:
         found = rerun(run, folder or root.with_name(f"{root.name}-again"), teller.event)
     if as_json:
         print_json({**{name: getattr(found, name) for name in found.__struct_fields__}, "equal": found.equal})
@@ -92,7 +92,7 @@ def orient_command(
         raise BadInput(f"{address} is a model, and ways up are ranked by the drop tests of a run: {first}")
     root, lane, iteration = parse_address(address)
     run = Run.open(f"{root}@{lane}", device)
-    with telling(1, quiet=as_json) as teller:
+    with progress_shown(1, quiet=as_json) as teller:
         found = ways_up(run, iteration, count=count, stage=teller.stage, progress=teller.fraction)
     if as_json:
         print_json(found)
@@ -149,7 +149,7 @@ def film_command(
     from mechstyle.runs.run import Run  # noqa: PLC0415
 
     runs = [Run.open(address, "cpu") for address in addresses]
-    with telling(1, quiet=as_json) as teller:
+    with progress_shown(1, quiet=as_json) as teller:
         teller.stage("filming")
         written = film(runs, path, plain=plain, frames=frames, size=size, progress=teller.fraction)
     if as_json:

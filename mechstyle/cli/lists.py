@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from mechstyle.cli.console import command, escape, out, print_json, table, telling
+from mechstyle.cli.console import command, escape, out, print_json, progress_shown, table
 from mechstyle.cli.options import Json
 from mechstyle.errors import BadInput
 
@@ -52,7 +52,7 @@ def styles_command(
         from mechstyle.gallery.style_sheet import PARTS, contact_sheet  # noqa: PLC0415 — as above
 
         place = _a_png(sheet, "the sheet of styles")
-        with telling(len(PARTS) + len(library()), quiet=as_json) as teller:
+        with progress_shown(len(PARTS) + len(library()), quiet=as_json) as teller:
             written = contact_sheet(stage=teller.step).save(place)
         print_json({"files": {"sheet": str(written)}}) if as_json else out.print(escape(str(written)))
         return

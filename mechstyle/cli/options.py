@@ -115,11 +115,6 @@ def panel_of(name: str) -> str:
     return CHAPTER_OF[name].capitalize()
 
 
-def help_of(name: str) -> str:
-    """The help of a recipe's field: its description, then what the command line adds."""
-    return f"{described(name)} {typed_as(name).hint}".rstrip()
-
-
 def recipe_options(*names: str, begins: bool = True, others: bool = False) -> Callable[[Callable[..., None]], Callable[..., None]]:
     """Give a command an option for each of these fields of the recipe; those that were used reach it as one dict, `settings`.
 
@@ -168,11 +163,11 @@ def _parameter(name: str, *, begins: bool) -> Parameter:
     """The parameter from which typer makes the option for a field of the recipe."""
     known = typed_as(name)
     required = begins and name not in DEFAULTS and known.default is None
-    shown = _shown(name) if begins and DEFAULTS.get(name) not in (None, "", ()) else True
+    shown = _default_as_typed(name) if begins and DEFAULTS.get(name) not in (None, "", ()) else True
     option = typer.Option(
         ... if required else known.default if begins else None,
         *known.flags,
-        help=help_of(name),
+        help=f"{described(name)} {known.hint}".rstrip(),
         rich_help_panel=panel_of(name),
         show_default=shown,
     )
@@ -180,7 +175,7 @@ def _parameter(name: str, *, begins: bool) -> Parameter:
     return Parameter(name, Parameter.KEYWORD_ONLY, annotation=kind if required else kind | None, default=option)
 
 
-def _shown(name: str) -> str:
+def _default_as_typed(name: str) -> str:
     """A default as it is typed."""
     default = DEFAULTS[name]
     if isinstance(default, bool):

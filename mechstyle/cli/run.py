@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from mechstyle.cli.console import command, err, escape, out, print_json, report_verdict, telling
+from mechstyle.cli.console import command, err, escape, out, print_json, progress_shown, report_verdict
 from mechstyle.cli.options import (
     DEFAULTS_MAY_CHANGE,
     Device,
@@ -86,7 +86,7 @@ def carry_out(
     if not as_json and not deep and device == "cpu":
         err.print(f"[dim]{escape(foretold(wanted, vertices).words)}[/]")
     limited: Sequence[str] = ()
-    with telling(wanted.schedule.iterations, quiet=as_json) as teller:
+    with progress_shown(wanted.schedule.iterations, quiet=as_json) as teller:
         if deep:
             tried = {**FREESTYLE, **settings} if freestyle else settings
             wanted, *limited = at_its_deepest(wanted, mesh, tried, vertices, device, folder, teller)
@@ -220,6 +220,6 @@ def branch_command(
 
     root, origin, iteration = parse_address(address)
     run = Run.open(f"{root}@{origin}", device).branch(iteration, lane=lane, **settings)
-    with telling(run.recipe.schedule.iterations, quiet=as_json) as teller:
+    with progress_shown(run.recipe.schedule.iterations, quiet=as_json) as teller:
         finish(run, teller)
     report(run, as_json=as_json)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from mechstyle.cli.console import command, err, escape, out, print_json, report_verdict, table, telling
+from mechstyle.cli.console import command, err, escape, out, print_json, progress_shown, report_verdict, table
 from mechstyle.cli.options import READ_AS, Device, Json, Model, Settings, Vertices, reads_a_part, recipe_options
 from mechstyle.cli.run import read_model
 from mechstyle.errors import BadInput
@@ -53,7 +53,7 @@ def simulate_command(
 
     mesh, name = read_model(model, reading, quiet=as_json)
     before = read_model(original, {}, quiet=as_json)[0] if original else None
-    with telling(1, quiet=as_json) as teller:
+    with progress_shown(1, quiet=as_json) as teller:
         dropped = simulate(
             mesh, original=before, **settings, vertices=vertices, device=device, stage=teller.stage, progress=teller.fraction,
             measured=lambda shape: teller.warn(shape.too_thin(settings.get("minimum_wall", DEFAULTS["minimum_wall"]))),
@@ -157,7 +157,7 @@ def protect_command(
     if not settings:
         raise BadInput(f"say what to protect with --protect, once or more; it can be: {', '.join(KINDS.values())}")
     mesh, name = read_model(model, reading, quiet=as_json)
-    with telling(1, quiet=as_json) as teller:
+    with progress_shown(1, quiet=as_json) as teller:
         found = looked_at(mesh, settings["protect"], vertices=vertices, stage=teller.stage)
         path = found.show().save(picture or Path(f"{name}-protected.png"))
     if as_json:

@@ -10,12 +10,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from typer.core import TyperCommand
 
-from mechstyle.cli.console import EXIT_BAD_INPUT, command, escape, out, print_json, table, telling
+from mechstyle.cli.console import EXIT_BAD_INPUT, command, escape, out, print_json, progress_shown, table
 from mechstyle.cli.options import MACHINE, READ_AS, Device, Json, Settings, Vertices, panel_of, recipe_options
 from mechstyle.records.mesh import STANDARD_VERTICES
 
 if TYPE_CHECKING:
-    from mechstyle.study.ablation import Ablation
     from mechstyle.study.cells import Row
     from mechstyle.study.grids import Factors
 
@@ -114,8 +113,8 @@ def page_command(
     as_json: Json = False,
 ) -> None:
     """Make a page of studies: counts with intervals, tests, figures, and the table it is made from."""
+    from mechstyle.study.cells import read_table  # noqa: PLC0415
     from mechstyle.study.page import write_page  # noqa: PLC0415 — figures are loaded when wanted
-    from mechstyle.study.tables import read_table  # noqa: PLC0415
 
     files = write_page([row for source in sources for row in read_table(source)], page, note=words)
     if as_json:
@@ -136,19 +135,30 @@ def _factors(crossed: dict[str, Any], settings: Settings, vertices: int, device:
 
 def _carried_out(study: str, factors: Factors, folder: Path, jobs: int, scheduler: str, *, as_json: bool) -> None:
     """Walk over the cells, then keep the table and print what came of them."""
+    from mechstyle.study.cells import write_table  # noqa: PLC0415
     from mechstyle.study.grids import cells_of  # noqa: PLC0415 — as above
-    from mechstyle.study.tables import write_table  # noqa: PLC0415
+    from mechstyle.study.statistics import wilson  # noqa: PLC0415
     from mechstyle.study.walk import walk  # noqa: PLC0415
 
     cells = cells_of(study, factors)
-    with telling(len(cells), quiet=as_json) as teller:
+    with progress_shown(len(cells), quiet=as_json) as teller:
         teller.stage("running")
         rows = walk(cells, folder, jobs=jobs, scheduler=scheduler, tell=lambda row: teller.step(escape(brief(row))))
     files = {"rows": str(folder / "rows"), "table": str(write_table(rows, folder / "table"))}
     if as_json:
         print_json({"rows": rows, "files": files})
     else:
-        _print_counts(rows, files)
+        counts = table("condition", "arm", "runs", "passes", "95 % interval", "sure", "kept", "CPU s")
+        for condition, arm in dict.fromkeys((row.condition, row.arm) for row in rows):
+            done = [row for row in rows if (row.condition, row.arm, row.status) == (condition, arm, "done")]
+            if done:
+                passes, sure = sum(row.passes for row in done), sum(row.sure for row in done)
+                low, high = wilson(passes, len(done))
+                kept, seconds = median(row.kept for row in done), median(row.cpu_seconds for row in done)
+                figures = (str(len(done)), str(passes), f"{low:.0%} to {high:.0%}", str(sure), f"{kept:.2f}", f"{seconds:.0f}")
+                counts.add_row(condition, arm, *figures)
+        out.print(counts)
+        _print_rest(rows, files)
     if all(row.status == "refused" for row in rows):
         raise SystemExit(EXIT_BAD_INPUT)
 
@@ -160,23 +170,6 @@ def _print_rest(rows: Sequence[Row], files: dict[str, str]) -> None:
             out.print(f"[yellow]{row.status}:[/] {escape(brief(row))}")
     for what, path in files.items():
         out.print(f"{what}: {escape(path)}")
-
-
-def _print_counts(rows: Sequence[Row], files: dict[str, str]) -> None:
-    """How many pass, arm by arm, and what did not run."""
-    from mechstyle.study.statistics import wilson  # noqa: PLC0415 — scipy is loaded when something is counted
-
-    counts = table("condition", "arm", "runs", "passes", "95 % interval", "sure", "kept", "CPU s")
-    for condition, arm in dict.fromkeys((row.condition, row.arm) for row in rows):
-        done = [row for row in rows if (row.condition, row.arm, row.status) == (condition, arm, "done")]
-        if done:
-            passes, sure = sum(row.passes for row in done), sum(row.sure for row in done)
-            low, high = wilson(passes, len(done))
-            kept, seconds = median(row.kept for row in done), median(row.cpu_seconds for row in done)
-            figures = (str(len(done)), str(passes), f"{low:.0%} to {high:.0%}", str(sure), f"{kept:.2f}", f"{seconds:.0f}")
-            counts.add_row(condition, arm, *figures)
-    out.print(counts)
-    _print_rest(rows, files)
 
 
 # --- ablation of a few parts
@@ -217,7 +210,7 @@ def ablation_command(
     from mechstyle.study.grids import ARMS  # noqa: PLC0415
 
     wanted, under = prompts or ["brick"], conditions or ["drop"]
-    with telling(len(models) * len(wanted) * len(under) * len(arms or ARMS), quiet=as_json) as teller:
+    with progress_shown(len(models) * len(wanted) * len(under) * len(arms or ARMS), quiet=as_json) as teller:
         teller.stage("running")
         found = ablation(
             models, wanted, folder, conditions=under, arms=arms or list(ARMS), vertices=vertices, device=device, jobs=jobs,
@@ -227,7 +220,14 @@ def ablation_command(
     if as_json:
         print_json({"rows": list(found.rows), "files": files})
     else:
-        _print_ablation(found, files)
+        headings, *lines = found.summary()
+        rows = table(*headings)
+        for line in lines:
+            rows.add_row(*line)
+        out.print(rows)
+        for sentence in found.against_the_twin():
+            out.print(escape(sentence))
+        _print_rest(found.rows, files)
     if all(row.status == "refused" for row in found.rows):
         raise SystemExit(EXIT_BAD_INPUT)
 
@@ -235,15 +235,3 @@ def ablation_command(
 def brief(row: Row) -> str:
     """One run in a line: its part, style, condition and arm, and what came of it."""
     return f"{row.part} as {row.prompt!r}, {row.condition}, {row.arm}: {row.refused or row.outcome}"
-
-
-def _print_ablation(found: Ablation, files: dict[str, str]) -> None:
-    """The counts, what did not run, and where the files are."""
-    headings, *lines = found.summary()
-    rows = table(*headings)
-    for line in lines:
-        rows.add_row(*line)
-    out.print(rows)
-    for sentence in found.against_the_twin():
-        out.print(escape(sentence))
-    _print_rest(found.rows, files)

@@ -210,11 +210,6 @@ def strain_energy(mesh: ElementMesh, law: ElasticLaw, displacement: Floats) -> f
     return float((point_volumes(mesh) * law.energy_density(displacement_gradients(mesh, displacement))).sum())
 
 
-def damped_gradients(mesh: ElementMesh, displacement: Floats, velocity: Floats, damping: Floats) -> Floats:
-    """H of u + β v, β [ms] of each tetrahedron, [tet_count], at the Gauss points, shape [tet_count, points, 3, 3]."""
-    return displacement_gradients(mesh, displacement) + damping[:, None, None, None] * displacement_gradients(mesh, velocity)
-
-
 def internal_forces(mesh: ElementMesh, law: ElasticLaw, displacement: Floats) -> Floats:
     """Forces the deformed body exerts on its nodes, f_a = −Σ V P ∇N_a = −∂U/∂u_a [N], shape [node_count, 3]."""
     return forces_of(mesh, law, displacement_gradients(mesh, displacement))

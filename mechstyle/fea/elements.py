@@ -52,16 +52,6 @@ class Element:
         return len(self.mass_shares)
 
 
-def _quadratic() -> Element:
-    """N_i = L_i (2 L_i − 1) at corners and 4 L_i L_j between them; masses in the ratio of ∫N_a² (Hinton, Rock and Zienkiewicz 1976).
-
-    The row sums of the consistent mass matrix would give the corners a negative mass.
-    """
-    gauss = np.full((4, 4), GAUSS_B) + (GAUSS_A - GAUSS_B) * np.eye(4)
-    masses = np.array([1.0 / 36.0] * 4 + [4.0 / 27.0] * 6)
-    return Element("tet10", _quadratic_derivatives(gauss), _quadratic_derivatives(np.eye(4)), masses, stiffer=2.2)
-
-
 def _quadratic_derivatives(L: Floats) -> Floats:
     """∂N_a/∂L_i of the quadratic element at points of given barycentric coordinates, [n, 4], shape [n, 10, 4]."""
     derivatives = np.zeros((len(L), 10, 4))
@@ -73,7 +63,14 @@ def _quadratic_derivatives(L: Floats) -> Floats:
 
 
 LINEAR = Element("tet4", np.eye(4)[None], np.tile(np.eye(4), (4, 1, 1)), np.full(4, 0.25))
-QUADRATIC = _quadratic()
+QUADRATIC = Element(
+    "tet10", _quadratic_derivatives(np.full((4, 4), GAUSS_B) + (GAUSS_A - GAUSS_B) * np.eye(4)), _quadratic_derivatives(np.eye(4)),
+    mass_shares=np.array([1.0 / 36.0] * 4 + [4.0 / 27.0] * 6), stiffer=2.2,
+)  # fmt: skip
+"""N_i = L_i (2 L_i − 1) at corners and 4 L_i L_j between them; masses in the ratio of ∫N_a² (Hinton, Rock and Zienkiewicz 1976).
+
+The row sums of the consistent mass matrix would give the corners a negative mass.
+"""
 ELEMENTS = {element.name: element for element in (LINEAR, QUADRATIC)}
 
 

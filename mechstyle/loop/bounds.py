@@ -87,7 +87,7 @@ def advanced(displacement: Field, let_through: Field, increment: Field, bounds: 
     return bounds.clipped(displacement + step)
 
 
-def unrestrained(asked: Field, bounds: Bounds, recipe: Recipe) -> Field:
+def unrestrained_relief(asked: Field, bounds: Bounds, recipe: Recipe) -> Field:
     """What comes of a finished proposal that no stress restrains [mm], shape [vertex_count].
 
     It is grown evenly over the iterations, because near the thinnest wall each step is slowed by those before it.

@@ -125,7 +125,7 @@ class Correction:
 
     def _lowered_locally(self, relief: Field, used: Field, *, fails_by_drop: bool) -> tuple[Field, str]:
         self._lowered += 1
-        taken = lowering(used, self._neighbours())
+        taken = lowered_share(used, self._neighbours())
         if fails_by_drop:
             patches = self.standing & (overload(used, self._neighbours()) > 0.0)
             taken[patches if self._lowered <= PATCH_ROUNDS else self.standing] = 1.0
@@ -137,7 +137,7 @@ class Correction:
         return self._near[0]
 
 
-def lowering(used: Field, near: csr_array) -> Field:
+def lowered_share(used: Field, near: csr_array) -> Field:
     """Share of the relief that is taken at each vertex, in [0, MOST], shape [vertex_count].
 
     min(GAIN o / (1 + 0.3 o), MOST) of the overload o within reach, smoothed over the reach.

@@ -16,11 +16,90 @@ from numpy.typing import NDArray
 
 from mechstyle.errors import BadInput
 from mechstyle.loop import control, correction, schedule
-from mechstyle.loop.bounds import Bounds, advanced, unrestrained
-from mechstyle.loop.events import Checkpointed, Corrected, Event, Finished, Simulated, SimulationStarted, Stylized
+from mechstyle.loop.bounds import Bounds, advanced, unrestrained_relief
 from mechstyle.loop.store import Lane, Store
 from mechstyle.records import Checkpoint, Recipe, Simulation, Verdict
 from mechstyle.records.mesh import Field, SurfaceMesh
+
+
+@dataclass(frozen=True)
+class Stylized:
+    """The stylizer proposed and the mask let part of it through.
+
+    Attributes:
+        iteration: 1 to the recipe's iterations.
+        style_loss: Loss of the surface as it now is.
+        moved: Largest movement of a vertex in this iteration [mm].
+    """
+
+    iteration: int
+    style_loss: float
+    moved: float
+
+
+@dataclass(frozen=True)
+class SimulationStarted:
+    """A drop test begins; `reason` is what the schedule said."""
+
+    iteration: int
+    reason: str
+
+
+@dataclass(frozen=True)
+class Simulated:
+    """A drop test ended.
+
+    Attributes:
+        iteration: Iteration simulated.
+        reason: Why.
+        simulation: What was measured.
+        verdict: What it means.
+        restrained: Share of the vertices that count as restrained.
+    """
+
+    iteration: int
+    reason: str
+    simulation: Simulation
+    verdict: Verdict
+    restrained: float
+
+
+@dataclass(frozen=True)
+class Corrected:
+    """The finished relief was lowered, because it failed, or raised, because it passed; a simulation of the result follows.
+
+    Attributes:
+        step: What was changed, in words.
+        kept: Share of what the style asks for that is left.
+    """
+
+    step: str
+    kept: float
+
+
+@dataclass(frozen=True)
+class Checkpointed:
+    """A checkpoint is on disk under `digest`."""
+
+    digest: str
+    checkpoint: Checkpoint
+
+
+@dataclass(frozen=True)
+class Finished:
+    """The run is complete; the last checkpoint is the surface that was simulated last.
+
+    Attributes:
+        verdict: Verdict on it.
+        digest: Digest of the last checkpoint.
+    """
+
+    verdict: Verdict
+    digest: str
+
+
+Event = Stylized | SimulationStarted | Simulated | Corrected | Checkpointed | Finished
+
 
 STEP_LIMIT = 0.01
 """A vertex moves at most this share of the part's size per iteration (Faruqi et al. 2025)."""
@@ -272,7 +351,7 @@ class Engine:
 
     def _target(self) -> Field:
         """What the finished style asks for within its bounds [mm], shape [vertex_count], whatever of it the part came to."""
-        return unrestrained(self.stylizer.proposal().displacement, self.bounds, self.recipe)
+        return unrestrained_relief(self.stylizer.proposal().displacement, self.bounds, self.recipe)
 
     def _tested(self, search: correction.Correction, relief: Field, state: Checkpoint) -> tuple[Field, str] | None:
         """What a correction is to try after a relief was found to be what `state` says."""
@@ -299,7 +378,7 @@ class Engine:
         return self._kept(state.displacement, self._target())
 
     def _kept(self, displacement: Field, reference: Field) -> float:
-        return kept(displacement, reference, self.bounds.seen_areas(self.surface))
+        return retained_share(displacement, reference, self.bounds.seen_areas(self.surface))
 
     def _save(self, state: Checkpoint) -> tuple[str, Checkpointed]:
         """Store the checkpoint, then move the lane to it."""
@@ -317,7 +396,7 @@ def shown(simulation: Simulation, verdict: Verdict) -> Field:
     return simulation.stress_of(landing=row.landing, load=row.load)
 
 
-def kept(displacement: Field, reference: Field, areas: NDArray[np.float64]) -> float:
+def retained_share(displacement: Field, reference: Field, areas: NDArray[np.float64]) -> float:
     """Share of a reference relief that is left, ⟨T, D⟩ / ⟨T, T⟩ weighted by area; 1 where the reference is flat.
 
     Args:

@@ -55,7 +55,12 @@ def garbage(store: Store) -> Garbage:
     held = root / "locks"
     files = [path for path in sorted(root.rglob("*")) if path.is_file() and not path.is_symlink() and path.parent != held]
     scraps = tuple(path for path in files if path.name.startswith(".new-"))
-    reached = _reached(store, _roots(store), needed=True)
+    lanes, part, start = [store.lane(name) for name in store.lanes()], store.root / "part.json", list[str]()
+    for lane in lanes:
+        start += filter(None, (lane.recipe, lane.head, lane.forked_from))
+    if lanes or part.exists():  # it is written before the first lane
+        start += _digests(read_record(part, dict[str, Any]), NO_OBJECT - {"surface"})
+    reached = _reached(store, start, needed=True)
     unwanted = tuple(path for path in _memos(store) if not _is_kept(store, path, reached))
     for path in set(_memos(store)) - set(unwanted):
         reached |= _reached(store, _digests(path.read_text(encoding="ascii")), reached)
@@ -80,16 +85,6 @@ def collect(store: Store) -> Garbage:
         for path in found.files:
             path.unlink(missing_ok=True)
         return found
-
-
-def _roots(store: Store) -> Iterator[str]:
-    """Digests that lanes and the part name."""
-    for name in store.lanes():
-        lane = store.lane(name)
-        yield from filter(None, (lane.recipe, lane.head, lane.forked_from))
-    part = store.root / "part.json"
-    if store.lanes() or part.exists():  # it is written before the first lane
-        yield from _digests(read_record(part, dict[str, Any]), NO_OBJECT - {"surface"})
 
 
 def _memos(store: Store) -> list[Path]:

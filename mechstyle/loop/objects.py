@@ -178,18 +178,19 @@ class Objects:
 
     def put_record(self, record: object) -> str:
         """Store a record; arrays inside become objects of their own, so equal arrays are kept once."""
-        return self.put(to_json(record, self._array_to_digest))
+
+        def stored(value: object) -> str:
+            if isinstance(value, np.ndarray):
+                return self.put_array(value)
+            raise TypeError(f"cannot store a {type(value).__name__}")
+
+        return self.put(to_json(record, stored))
 
     def get_record(self, digest: str, kind: type[T]) -> T:
         """A record of the given type; DamagedStore if it is not one."""
         content = self.get(digest)
         with _read_as(f"a {kind.__name__}", self.path(digest)):
             return from_json(content, kind, lambda _, name: self.get_array(name))
-
-    def _array_to_digest(self, value: object) -> str:
-        if isinstance(value, np.ndarray):
-            return self.put_array(value)
-        raise TypeError(f"cannot store a {type(value).__name__}")
 
     def put_mesh(self, mesh: SurfaceMesh | TetMesh) -> str:
         """Store a mesh as its two arrays; colours are kept by checkpoints, not here."""

@@ -2,10 +2,9 @@
 
 import msgspec
 
-from mechstyle.records.chapters import CONTROLS, CRITERIA, ELEMENTS, FIELDS, GUIDANCES, NORMALISATIONS, SCHEDULES
 from mechstyle.records.checkpoint import Checkpoint
 from mechstyle.records.landings import POSES
-from mechstyle.records.recipe import SETTINGS, Recipe
+from mechstyle.records.recipe import CONTROLS, CRITERIA, ELEMENTS, FIELDS, GUIDANCES, NORMALISATIONS, SCHEDULES, SETTINGS, Recipe
 from mechstyle.records.simulation import Landing, LoadResult, Simulation
 from mechstyle.records.verdict import Doubt, Outcome, Row, Verdict, judge
 

@@ -4,15 +4,338 @@ from __future__ import annotations
 
 import hashlib
 import inspect
+import math
 import re
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Collection, Mapping
+from typing import Any, ClassVar, Literal, get_args
 
 import msgspec
 
 from mechstyle.errors import BadInput, unknown
-from mechstyle.records.chapters import Choices, Delivery, Limits, Restraint, Schedule, Specimen, StrengthTest, Style
+from mechstyle.records.landings import POSES, STANDARDS, landings_after
+from mechstyle.records.load_cases import LoadCase
 from mechstyle.records.material import Material
+from mechstyle.records.regions import Region
+
+CONTROLS = ("linear", "exponential", "frozen", "none")
+NORMALISATIONS = ("headroom", "own_max", "sigma_c")
+SCHEDULES = ("every", "quadratic", "exponential", "geometry", "stress", "never")
+CRITERIA = ("robust", "paper")
+GUIDANCES = ("offline", "clip")
+FIELDS = ("vertex", "network")
+ELEMENTS = ("tet10", "tet4")
+BASES = ("plain", "level", "free")
+SIDES = ("auto", "outwards", "inwards", "both")
+INSIDES = ("plain", "styled")
+MOTIFS = ("height", "colour", "both")
+LAYOUTS = ("tiled", "placed")
+PROJECTIONS = ("box", "planar", "around")
+Transfer = Literal["barycentric", "nearest"]
+
+Choices = Mapping[str, Collection[str]]
+Limits = Mapping[str, tuple[float, float]]
+
+LONGEST_PROMPT = 500
+"""Characters."""
+
+
+class Chapter(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """Settings that belong together; a setting is called by the name it is written under.
+
+    The first sentence on an attribute is its help wherever it is set; what follows it is for readers of this.
+    """
+
+    CHOICES: ClassVar[Choices] = {}
+    LIMITS: ClassVar[Limits] = {}
+    RARE: ClassVar[frozenset[str]] = frozenset()
+    """Settings without an option of their own on the command line: they are given with --set."""
+
+    def __post_init__(self) -> None:
+        """Refuse unknown names and values out of range, each in one sentence."""
+        values = {name: getattr(self, attribute) for name, attribute in self.attributes().items()}
+        for name, known in self.CHOICES.items():
+            if values[name] not in known:
+                raise unknown(name, str(values[name]), known)
+        for name, (low, high) in self.LIMITS.items():
+            value = values[name]
+            if value is not None and not low <= value <= high:
+                raise BadInput(f"{name.replace('_', ' ')} is {value:g}, but must lie between {low:g} and {high:g}")
+
+    @classmethod
+    def attributes(cls) -> dict[str, str]:
+        """The attribute of each setting, by the setting's name."""
+        return dict(zip(cls.__struct_encode_fields__, cls.__struct_fields__, strict=True))
+
+
+class Specimen(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """The meshes that are tested, by their digests; both "" for a recipe of any part.
+
+    Attributes:
+        surface: Digest of the standardised surface M_0.
+        tetrahedra: Digest of its tetrahedra (meshing is not deterministic, so they are part of the recipe).
+    """
+
+    surface: str = ""
+    tetrahedra: str = ""
+
+
+class Style(Chapter, frozen=True, kw_only=True):
+    """What the part is to look like.
+
+    Attributes:
+        prompt: The style, in words, or one for each place: "outside: brick; rim: gold studs". Kept as typed; "" for none.
+        stylizer: Name of a plugged-in stylizer to use instead of the built-in styles. "" for those.
+        guidance: What the style descends to, one of GUIDANCES: a target drawn offline, or what CLIP takes for the prompt.
+        field: What is descended in, one of FIELDS: values per vertex, or the X-Mesh style field.
+        clip: CLIP weights of guidance clip. Kept as `NAME@DIGEST`; "" offline.
+        crops: Close looks at each view per iteration of CLIP guidance and loss, 4 as published.
+        seed: Seed of everything random in the style.
+        relief: Depth of the relief from its lowest to its highest [mm]; by default the prompt's, or what can be seen and walls bear. It
+            goes before an amplitude, and either before the prompt.
+        amplitude: Half the depth of the relief over local wall thickness, instead of a depth in mm.
+        side: Where the relief goes from the surface, one of SIDES: auto goes to both, but only outwards where walls are too thin to cut.
+        feature: Size of the style's feature, such as the height of a brick [mm]; by default the prompt's, or what fits the part.
+        image: A picture of yours as the style, a PNG or JPEG file. Here the digest of its pixels, which the run keeps; "" for none.
+        image_size: Width of the picture, or of one of its tiles [mm]; by default the prompt's, or what fits the part.
+        image_as: What is taken of the picture, one of MOTIFS: light stands out and dark is cut in, its colours, or both.
+        image_layout: How often the picture is laid out, one of LAYOUTS: without end, or once on each side it is seen from.
+        projection: How the picture lies on the part, one of PROJECTIONS: from six sides, from the one that shows most or that the prompt
+            names, or around an upright axis.
+    """
+
+    CHOICES: ClassVar[Choices] = {
+        "guidance": GUIDANCES,
+        "field": FIELDS,
+        "side": SIDES,
+        "image_as": MOTIFS,
+        "image_layout": LAYOUTS,
+        "projection": PROJECTIONS,
+    }
+    LIMITS: ClassVar[Limits] = {
+        "crops": (1, 16),
+        "seed": (0, 2**32 - 1),
+        "relief": (0.0, 20.0),
+        "amplitude": (0.0, 2.0),
+        "feature": (0.2, 500.0),
+        "image_size": (0.5, 2000.0),
+    }
+    RARE: ClassVar = frozenset({"crops"})
+
+    prompt: str
+    stylizer: str = ""
+    guidance: str = "offline"
+    field: str = "vertex"
+    clip: str = ""
+    crops: int = 1
+    seed: int = 0
+    relief: float | None = None
+    amplitude: float | None = None
+    side: str = "auto"
+    feature: float | None = None
+    image: str = ""
+    image_size: float | None = None
+    image_as: str = "both"
+    image_layout: str = "tiled"
+    projection: str = "box"
+
+    def __post_init__(self) -> None:
+        """Refuse, besides, a prompt that is too long, and a picture by anything but its digest."""
+        super().__post_init__()
+        check_prompt(self.prompt)
+        if self.image and not re.fullmatch("[0-9a-f]{64}", self.image):
+            raise BadInput(f"a recipe names a picture by the digest of its pixels, not {self.image[:60]!r}: draft it from the file")
+
+
+class Restraint(Chapter, frozen=True, kw_only=True):
+    """What holds the style back: stress, protected places, the inside, the base, and a correction at the end.
+
+    Attributes:
+        control: How stress restrains the style, one of CONTROLS. It turns demand into a mask.
+        normalisation: What stress is compared with, one of NORMALISATIONS. Demand is stress over that.
+        threshold: Demand at which a vertex may move no further; 1 is the normalisation's own limit, less is stricter.
+        base: Relief on the faces the part stands on, one of BASES: none, drawn inwards so that it stands level, or as the style has it.
+        inside: What becomes of the inside of a container, one of INSIDES.
+        protect: Regions protected from the style.
+        guarantee: Whether the finished relief is corrected until the part passes: lowered where it is overloaded, no further than needed.
+        until_sure: Whether it is corrected as well where the part passes, but by less than the test repeats.
+    """
+
+    CHOICES: ClassVar[Choices] = {
+        "control": CONTROLS,
+        "normalisation": NORMALISATIONS,
+        "base": BASES,
+        "inside": INSIDES,
+    }
+    LIMITS: ClassVar[Limits] = {
+        "threshold": (0.01, 100.0),
+    }
+    RARE: ClassVar = frozenset({"guarantee", "until_sure"})
+
+    control: str = "exponential"
+    normalisation: str = "headroom"
+    threshold: float = 1.0
+    base: str = "plain"
+    inside: str = "plain"
+    protect: tuple[Region, ...] = ()
+    guarantee: bool = True
+    until_sure: bool = True
+
+    @property
+    def feedback(self) -> bool:
+        """Whether simulation restrains the style (MechStyle) or not (Freestyle)."""
+        return self.control != "none"
+
+
+class Schedule(Chapter, frozen=True, kw_only=True):
+    """How long the style grows, and when it is simulated meanwhile.
+
+    Attributes:
+        iterations: Stylization iterations.
+        when: When to simulate while the style grows, one of SCHEDULES: never drops the finished relief and corrects it, without masks;
+            a control asked for brings `stress`.
+        every: Interval of the `every` schedule [iterations].
+        travel: Displacement since the last simulation over local thickness that triggers `geometry` and `stress`.
+    """
+
+    CHOICES: ClassVar[Choices] = {
+        "schedule": SCHEDULES,
+    }
+    LIMITS: ClassVar[Limits] = {
+        "iterations": (1, 100_000),
+        "every": (1, 100_000),
+        "travel": (1e-3, 10.0),
+    }
+    RARE: ClassVar = frozenset({"travel"})
+
+    iterations: int = 200
+    when: str = msgspec.field(default="never", name="schedule")
+    every: int = 20
+    travel: float = 0.1
+
+
+class StrengthTest(Chapter, frozen=True, kw_only=True):
+    """What the part must survive, and how that is computed.
+
+    Attributes:
+        specimen: The meshes that are tested.
+        material: The material of the part. Kept in full, so that a library that changes leaves the recipe as it was.
+        loads: Load cases the part must carry besides the drop.
+        criterion: What the part is judged by, one of CRITERIA: paper is the published rule and method, which leave little of most styles.
+        height: Height of the fall the part is to survive [mm].
+        orientations: Landings in the final test that are not nearly flat, flat counted as the first; more than 1 are judged together.
+        poses: How these land: `fibonacci` every way, `resting` as the part comes to rest, `box26`, `box10` or `faces6` on faces, edges and
+            corners of the box around it. One of POSES.
+        standard: Drop standard whose orientations and height are simulated, one of STANDARDS. It brings poses, orientations and
+            height unless they are given; "" for none. A verdict is no test to a standard.
+        nearly_flat: Whether landings tilted by 3° onto the corners and sides of what the part stands on are judged, too.
+        hardest_only: Whether the styled part lands only in the two nearly flat ways that are hardest for the plain part. Their critical
+            heights are then estimated from one drop each, by an exponent that is usual.
+        build_direction: Direction it is printed in, x, y, z or a vector such as 0,0,1: what pulls or shears layers apart is judged by their
+            own strength. None for no layers; the material must know its `layer_ratio`.
+        friction: Coulomb coefficient of the floor.
+        window: Simulated time after first touch [ms]; by default until the impact has ended.
+        element: `tet10`, or `tet4` as in the published study, which is several times too stiff in thin walls.
+        damping: Share of critical damping of each tetrahedron.
+        transfer: How stress gets from tets to surface, `barycentric` or `nearest` (the paper's unit-box nearest neighbour).
+    """
+
+    CHOICES: ClassVar[Choices] = {
+        "criterion": CRITERIA,
+        "poses": POSES,
+        "standard": ("", *STANDARDS),
+        "element": ELEMENTS,
+        "transfer": get_args(Transfer),
+    }
+    LIMITS: ClassVar[Limits] = {
+        "height": (1.0, 1e5),
+        "orientations": (1, 512),
+        "friction": (0.0, 2.0),
+        "window": (0.05, 50.0),
+        "damping": (0.0, 1.0),
+    }
+    RARE: ClassVar = frozenset({"hardest_only", "friction", "element", "damping", "transfer"})
+
+    specimen: Specimen = Specimen()
+    material: Material
+    loads: tuple[LoadCase, ...] = ()
+    criterion: str = "robust"
+    height: float = 1500.0
+    orientations: int = 1
+    poses: str = "fibonacci"
+    standard: str = ""
+    nearly_flat: bool = True
+    hardest_only: bool = False
+    build_direction: tuple[float, float, float] | None = None
+    friction: float = 0.0
+    window: float | None = None
+    element: str = "tet10"
+    damping: float = 0.1
+    transfer: Transfer = "barycentric"
+
+    def __post_init__(self) -> None:
+        """Refuse, besides, a direction of no length, and a material whose strength across layers nobody stated."""
+        super().__post_init__()
+        direction = self.build_direction
+        if direction is None:
+            return
+        if not (math.isfinite(math.hypot(*direction)) and math.hypot(*direction) > 0.0):
+            raise BadInput(f"build direction is {direction}, but must be x, y, z or a vector of some length")
+        if self.material.layer_ratio is None:
+            raise BadInput(
+                f"the strength of {self.material.label} across its layers is not known: leave the build direction out, or give the"
+                " material in a file with a layer_ratio, strength across over strength along the layers, such as 0.5"
+            )
+
+    @property
+    def across_layers(self) -> tuple[float, float, float]:
+        """Build direction over the strength ratio of layers, of which `fea.elasticity.equivalent_stress` makes use; zero if not judged."""
+        if self.build_direction is None or self.material.layer_ratio is None:
+            return (0.0, 0.0, 0.0)
+        steep = math.hypot(*self.build_direction) * self.material.layer_ratio
+        x, y, z = (part / steep for part in self.build_direction)
+        return x, y, z
+
+    @property
+    def layers_judged(self) -> str:
+        """What is assumed of layers, in words; "" if they are not judged."""
+        if self.build_direction is None:
+            return ""
+        x, y, z = self.build_direction
+        source = self.material.layer_source or self.material.source
+        ratio = f"{self.material.layer_ratio:g} of the strength across them ({source})"
+        return f"layers printed along ({x:g}, {y:g}, {z:g}) are judged with {ratio}"
+
+    @property
+    def after_standard(self) -> str:
+        """Whose orientations are simulated, in words; "" without a standard."""
+        return landings_after(self.standard, poses=self.poses, orientations=self.orientations, height=self.height)
+
+
+class Delivery(Chapter, frozen=True, kw_only=True):
+    """What a printer can make of the part, and what its walls must have for it.
+
+    Attributes:
+        nozzle: Diameter of the printer's nozzle [mm]: features that are not given are sized for it, and finer ones noted; 0 for no rule.
+        minimum_wall: The thinnest wall the style may leave [mm]; 0 for no rule.
+        strengthen: The most that a part that does not hold as it is may be thickened by before its style, where it is overloaded [mm]; 0
+            leaves it as it is.
+    """
+
+    LIMITS: ClassVar[Limits] = {
+        "nozzle": (0.0, 5.0),
+        "minimum_wall": (0.0, 100.0),
+        "strengthen": (0.0, 20.0),
+    }
+
+    nozzle: float = 0.4
+    minimum_wall: float = 0.8
+    strengthen: float = 0.0
+
+
+def check_prompt(prompt: str) -> None:
+    """Refuse a prompt that is too long with BadInput, without repeating it."""
+    if len(prompt) > LONGEST_PROMPT:
+        raise BadInput(f"the prompt has {len(prompt)} characters, but may have {LONGEST_PROMPT}: name styles, colours, sizes, places")
 
 
 class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

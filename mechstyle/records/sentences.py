@@ -89,10 +89,6 @@ def duration(seconds: float) -> str:
     return f"{round(seconds / 60)} min" if seconds < 5400 else f"{seconds / 3600:.1f} h"
 
 
-def _percent(share: float) -> str:
-    return f"{share:.0%}" if share >= 0.005 else "less than 1%"
-
-
 # --- one verdict --------------------------------------------------------------------------------------------------
 
 
@@ -167,9 +163,12 @@ def _where(row: Row) -> str:
 
 def doubt(verdict: Verdict) -> str:
     """Why the outcome is not sure and what to do, "" if it is sure."""
-    reasons, near = list[str](), [one for one in verdict.doubts if one.about == "limit"]
+    reasons, tests, near = list[str](), list[str](), [one for one in verdict.doubts if one.about == "limit"]
+    for one in near:
+        test = {"load": f"the load {one.load!r}", "published rule": "the published rule"}.get(one.test, one.landing or one.test)
+        share = abs(one.value - 1.0)
+        tests.append(f"{test} {'passes' if one.value >= 1.0 else 'fails'} by {f'{share:.0%}' if share >= 0.005 else 'less than 1%'}")
     if near:
-        tests = [f"{_in_doubt(one)} {'passes' if one.value >= 1.0 else 'fails'} by {_percent(abs(one.value - 1.0))}" for one in near]
         dropped, loaded = any(not one.load for one in near), any(one.load for one in near)
         ways = " or ".join(["less relief"] * bool(verdict.style) + ["a lower fall"] * dropped + ["a smaller load"] * loaded)
         repeats = "the test repeats" if len(near) == 1 else "these tests repeat"
@@ -186,11 +185,6 @@ def _missed(one: Doubt) -> str:
         return f"{'what the mesh follows of the relief' if one.about == 'relief' else 'the volume of the mesh'} is not known"
     relief = f"the mesh follows only {one.value:.0%} of the relief"
     return relief if one.about == "relief" else f"the volume of the mesh is {one.value:+.1%} off that of the part"
-
-
-def _in_doubt(one: Doubt) -> str:
-    """The test that a doubt is about."""
-    return {"load": f"the load {one.load!r}", "published rule": "the published rule"}.get(one.test, one.landing or one.test)
 
 
 def _listed(words: Sequence[str]) -> str:
@@ -320,7 +314,14 @@ def side_by_side(names: tuple[str, str], verdicts: tuple[Verdict, Verdict], kept
     if free is not None and fed is not None and free > 0.0:
         alike = "Both look alike. " if fed >= ALIKE * free else f"{names[1]} keeps {fed / free:.0%} of the relief. "
     asked = fall(verdicts[0].fall) if first.height is not None else "once"
-    return f"{alike}{_survive(names, first, second)}; {asked} was asked for."
+    what = f"carry the load {first.load!r}" if first.load else "pass the published rule" if first.height is None else "fall from"
+    where = {"nearly flat": ", landing nearly flat", "any landing": ", landing any way up"}.get(first.test, "")
+    here, there = (length(row.survived) if row.height is not None else f"{row.survived:.2f} times" for row in (first, second))
+    again = "from " if first.height is not None else ""
+    survive = f"{names[0]} may {what} {here}, {names[1]} {again}{there}{where}"
+    if abs(second.survived - first.survived) <= SAME * max(first.survived, second.survived):
+        survive = f"{names[0]} and {names[1]} may both {what} {here}{where}"
+    return f"{alike}{survive}; {asked} was asked for."
 
 
 def little_left(kept: float, side: str) -> str:
@@ -328,17 +329,6 @@ def little_left(kept: float, side: str) -> str:
     if kept >= LITTLE or side == "outwards":
         return ""
     return f"only {kept:.0%} of the style is left: cuts into a wall weaken it, so try relief that only goes outwards (--side outwards)"
-
-
-def _survive(names: tuple[str, str], first: Row, second: Row) -> str:
-    """What each survives in a test."""
-    what = f"carry the load {first.load!r}" if first.load else "pass the published rule" if first.height is None else "fall from"
-    where = {"nearly flat": ", landing nearly flat", "any landing": ", landing any way up"}.get(first.test, "")
-    one, other = (length(row.survived) if row.height is not None else f"{row.survived:.2f} times" for row in (first, second))
-    if abs(second.survived - first.survived) <= SAME * max(first.survived, second.survived):
-        return f"{names[0]} and {names[1]} may both {what} {one}{where}"
-    again = "from " if first.height is not None else ""
-    return f"{names[0]} may {what} {one}, {names[1]} {again}{other}{where}"
 
 
 def least_left(lane: str, verdict: Verdict, stresses: Mapping[str, float]) -> str:

@@ -236,7 +236,7 @@ def _rows(simulation: Simulation, original: Simulation | None, reference: Simula
     strength, robust = recipe.test.material.yield_strength, recipe.test.criterion != "paper"
     for test in WAYS:
         parts = ([] if part is None else part.of(test) for part in (simulation, original, reference))
-        hardest, theirs, limiting = (_of_several(found, mean=test == "any landing") if found else None for found in parts)
+        hardest, theirs, limiting = (_representative(found, mean=test == "any landing") if found else None for found in parts)
         if hardest is not None:
             limit = strength if limiting is None else drop_limit(limiting.stress, strength)
             yield Row(
@@ -264,7 +264,7 @@ def _outcome(stress: float, limit: float, strength: float) -> Outcome:
     return "HOLDS" if stress <= strength else "NO WORSE" if stress <= limit else "FAILS"
 
 
-def _of_several(landings: Sequence[Landing], *, mean: bool) -> Landing:
+def _representative(landings: Sequence[Landing], *, mean: bool) -> Landing:
     """The landing with the highest stress, with the geometric means of all if `mean`."""
     hardest = max(landings, key=lambda landing: landing.stress)
     if not mean:

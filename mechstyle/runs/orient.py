@@ -160,7 +160,8 @@ class _Layers:
         body, _ = self._known_simulator.meshes.carrier(self._displacement)
         recipe = self._known_simulator.recipe.with_settings(build_direction=axis).on(tetrahedra=body.tets.digest)
         self.drops += 1
-        layered = replace(self._known_simulator, tets=body.tets, at=body.at, recipe=recipe)
+        part = replace(self._known_simulator.part, tets=body.tets, at=body.at)
+        layered = replace(self._known_simulator, part=part, recipe=recipe)
         return _deciding(layered.simulate(self._displacement, thorough=False))
 
 

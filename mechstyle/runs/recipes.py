@@ -19,8 +19,7 @@ from mechstyle.records.recipe import DEFAULTS, TYPES, direction_of
 from mechstyle.records.regions import regions
 from mechstyle.records.written import length_of
 from mechstyle.runs.images import digest_of
-from mechstyle.runs.plugins import name_of
-from mechstyle.runs.stylizers import settled
+from mechstyle.runs.stylizers import name_of, settled
 from mechstyle.simulation.part import Workpiece, fitted
 
 FREESTYLE: dict[str, Any] = {

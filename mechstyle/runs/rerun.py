@@ -12,7 +12,7 @@ import msgspec
 
 from mechstyle._files import write_whole
 from mechstyle.errors import BadInput
-from mechstyle.loop.events import Checkpointed, Event
+from mechstyle.loop.engine import Checkpointed, Event
 from mechstyle.loop.objects import AT_REST, MESH_FOR
 from mechstyle.loop.store import Entry, Lane, Store
 from mechstyle.records import Verdict

@@ -19,8 +19,7 @@ from mechstyle.fea.explicit import Progress, no_progress
 from mechstyle.geometry.cancelling import CancelCheck, never_cancel
 from mechstyle.geometry.print_quality import untangled
 from mechstyle.loop import minimum_wall
-from mechstyle.loop.engine import Engine
-from mechstyle.loop.events import Event, Finished
+from mechstyle.loop.engine import Engine, Event, Finished
 from mechstyle.loop.history import measured_at
 from mechstyle.loop.objects import read_record, to_json
 from mechstyle.loop.store import Entry, Lane, Store, parse_address
@@ -152,7 +151,7 @@ class Run:
 
     def _repr_mimebundle_(self, **_: Any) -> dict[str, str]:
         """A picture and a table in a notebook, also where no kernel runs; the one-line form elsewhere."""
-        from mechstyle.runs.report.static_view import mimebundle  # noqa: PLC0415 — loaded when a notebook asks
+        from mechstyle.runs.report.page import mimebundle  # noqa: PLC0415 — loaded when a notebook asks
 
         return mimebundle(self)
 
@@ -209,7 +208,13 @@ class Run:
     def _carried_on(self, progress: Progress) -> Generator[Event, None, None]:
         self.store.move(self.lane, msgspec.structs.replace(self.store.lane(self.lane), recipe=self.store.put_recipe(self.recipe)))
         with self.clock.stage("style target"):
-            engine, notes = self._engine(progress)
+            recipe, part = self.recipe, self.part
+            stylizer, notes = stylizer_for(part, recipe, self.device, self.store.objects, lambda: progress(0.0))
+            bounds, protected = bounds_for(part, recipe)
+            simulator = self.simulator(recipe, progress)
+            untangle = partial(untangled, part.surface, go_on=lambda: progress(0.0))
+            notes = (*expected(recipe), *left_out(recipe), *protected, *notes)
+            engine = Engine(recipe, part.surface, bounds, stylizer, simulator, self.store, self.lane, untangle)
         with self.clock.stage("simulation of the unstylized part"):
             _ = engine.simulator.baseline
         for event in self.clock.timed(engine.run()):
@@ -242,20 +247,10 @@ class Run:
         self._save(summary)
         return summary
 
-    def _engine(self, progress: Progress) -> tuple[Engine, tuple[str, ...]]:
-        recipe, part = self.recipe, self.part
-        stylizer, notes = stylizer_for(part, recipe, self.device, self.store.objects, lambda: progress(0.0))
-        bounds, protected = bounds_for(part, recipe)
-        simulator = self.simulator(recipe, progress)
-        untangle = partial(untangled, part.surface, go_on=lambda: progress(0.0))
-        notes = (*expected(recipe), *left_out(recipe), *protected, *notes)
-        return Engine(recipe, part.surface, bounds, stylizer, simulator, self.store, self.lane, untangle), notes
-
     def simulator(self, recipe: Recipe, progress: Progress = no_progress) -> DropSimulator:
         """The drop test of the part under a recipe."""
         part, shared = self.record.droppable(self.part, self.store.root / "part.json"), cached_memo() if self.trusting else None
-        what = part.surface, part.tets, recipe, self.store.memo, shared, self.device, progress
-        return DropSimulator(*what, at=part.at, thickness=part.thickness)
+        return DropSimulator(part, recipe, self.store.memo, shared, self.device, progress)
 
     @property
     def _summary_path(self) -> Path:

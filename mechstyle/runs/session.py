@@ -9,7 +9,7 @@ from contextlib import closing
 from typing import Literal
 
 from mechstyle.fea.explicit import Progress
-from mechstyle.loop.events import Event, Simulated
+from mechstyle.loop.engine import Event, Simulated
 
 State = Literal["ready", "running", "paused", "stopped", "finished", "failed"]
 Listener = Callable[[Event], None]
@@ -130,19 +130,15 @@ class Session:
         with closing(self._events(self._progress)) as events:
             for event in events:
                 self._tell(event)
-                if not self._may_go_on(event):
-                    return "stopped"
+                with self._changed:
+                    if self._wanted == "run" and self._until is not None and self._until(event):
+                        self._wanted, self._until = "pause", None
+                    if self._wanted == "pause":
+                        self._become("paused")
+                        self._changed.wait_for(lambda: self._wanted != "pause")
+                    if self._wanted == "stop":
+                        return "stopped"
         return "finished"
-
-    def _may_go_on(self, event: Event) -> bool:
-        """Wait out a pause; False to stop."""
-        with self._changed:
-            if self._wanted == "run" and self._until is not None and self._until(event):
-                self._wanted, self._until = "pause", None
-            if self._wanted == "pause":
-                self._become("paused")
-                self._changed.wait_for(lambda: self._wanted != "pause")
-            return self._wanted == "run"
 
     def _tell(self, event: Event) -> None:
         for listener in tuple(self._listeners):

@@ -1,4 +1,4 @@
-"""From a recipe to its stylizer: plugged in, drawn, or learned with CLIP or the style field.
+"""From a recipe to its stylizer: plugged in by a decorator or an entry point, drawn, or learned with CLIP or the style field.
 
 Guidance (a drawn target or CLIP) and field (a value per vertex or the style field) are chosen independently; the default pair needs no
 torch and is in `styling.drawn`.
@@ -6,7 +6,8 @@ torch and is in `styling.drawn`.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from importlib.metadata import entry_points
 from itertools import pairwise
 from typing import NamedTuple
 from weakref import WeakKeyDictionary
@@ -15,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mechstyle._files import clip_folder
-from mechstyle.errors import BadInput
+from mechstyle.errors import BadInput, unknown
 from mechstyle.geometry.cancelling import CancelCheck, never_cancel
 from mechstyle.loop.bounds import Bounds, advanced
 from mechstyle.loop.engine import Stylizer
@@ -23,7 +24,6 @@ from mechstyle.loop.objects import Objects
 from mechstyle.records import Recipe
 from mechstyle.records.mesh import Field, Floats, SurfaceMesh
 from mechstyle.runs.images import raster_of
-from mechstyle.runs.plugins import made
 from mechstyle.simulation.part import Shape, Workpiece, bounds_for
 from mechstyle.styling.combination import combined, places
 from mechstyle.styling.dimensions import Dimensions
@@ -33,6 +33,79 @@ from mechstyle.styling.drawn import ProceduralStylizer, Target, canvas_for, targ
 from mechstyle.styling.learned.weights import located, need_clip_extra
 from mechstyle.styling.picture import NAME as PICTURE
 from mechstyle.styling.prompt import Reading, reading_of
+
+Factory = Callable[[SurfaceMesh, Bounds, Recipe], Stylizer]
+"""Makes the stylizer of a run from the standardised part, how far its style may go, and the recipe (seed, prompt, amplitude …)."""
+
+GROUP = "mechstyle.stylizers"
+"""Entry points of installed packages that offer a `Factory` each."""
+
+_registered: dict[str, Factory] = {}
+
+
+def register_stylizer(name: str) -> Callable[[Factory], Factory]:
+    """Decorate a factory, so that `stylizer=NAME` finds it in this process; a second one of the same name replaces the first."""
+    if not (name.isidentifier() or name.replace("-", "_").isidentifier()):
+        raise BadInput(f"a stylizer must be named by letters, digits, '-' and '_', not {name!r}")
+
+    def register(factory: Factory) -> Factory:
+        _registered[name] = factory
+        return factory
+
+    return register
+
+
+def name_of(stylizer: str | Factory) -> str:
+    """The name a recipe keeps of a stylizer; a function is registered under its own name.
+
+    Raises:
+        BadInput: If there is no stylizer of that name.
+    """
+    if isinstance(stylizer, str):
+        if stylizer:
+            _source(stylizer)
+        return stylizer
+    name = getattr(stylizer, "__name__", type(stylizer).__name__)
+    register_stylizer(name)(stylizer)
+    return name
+
+
+def made(surface: SurfaceMesh, bounds: Bounds, recipe: Recipe) -> Stylizer:
+    """The plugged-in stylizer of a recipe, looked at before the run begins.
+
+    Raises:
+        BadInput: If there is none of that name, or if what it proposes does not fit the part.
+    """
+    stylizer = _source(recipe.style.stylizer)(surface, bounds, recipe)
+    count = len(surface.vertices)
+    try:
+        first = stylizer.proposal()
+        found = np.shape(first.displacement), np.shape(first.colour)
+    except AttributeError as error:
+        raise BadInput(f"the stylizer {recipe.style.stylizer!r} is none: {error}; docs/plug-in.md shows what one must have") from error
+    if found != ((count,), (count, 3)):
+        shapes = f"{found[0]} and {found[1]}, not ({count},) and ({count}, 3)"
+        raise BadInput(f"the stylizer {recipe.style.stylizer!r} proposes displacement and colour of shapes {shapes}")
+    if not (np.isfinite(first.displacement).all() and np.isfinite(first.colour).all()):
+        raise BadInput(f"the stylizer {recipe.style.stylizer!r} proposes displacements or colours that are not finite numbers")
+    return stylizer
+
+
+def known_stylizers() -> tuple[str, ...]:
+    """Names of the stylizers that are plugged in, sorted."""
+    return tuple(sorted({*_registered, *(point.name for point in entry_points(group=GROUP))}))
+
+
+def _source(name: str) -> Factory:
+    """The factory of a name. A recipe never names code by itself: only what was registered here or is installed is run."""
+    if name in _registered:
+        return _registered[name]
+    for point in entry_points(group=GROUP, name=name):
+        factory: Factory = point.load()
+        return factory
+    if not known_stylizers():
+        raise BadInput(f"the stylizer {name!r} is not here: install the package that brings it, or register it as docs/plug-in.md shows")
+    raise unknown("stylizer", name, known_stylizers())
 
 
 def settled(recipe: Recipe, *, clip_asked_for: bool) -> Recipe:

@@ -9,8 +9,7 @@ from contextlib import ExitStack, contextmanager
 
 import msgspec
 
-from mechstyle.loop.engine import Engine
-from mechstyle.loop.events import Event, SimulationStarted
+from mechstyle.loop.engine import Engine, Event, SimulationStarted
 from mechstyle.loop.history import SimulationLine, simulations
 from mechstyle.records import Doubt, Landing, LoadResult, Row, Simulation, Verdict, sentences
 

@@ -12,9 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from mechstyle.errors import BadInput
-from mechstyle.fea.drop import Drop
+from mechstyle.fea.drop import Drop, History
 from mechstyle.fea.elements import EDGES, ElementMesh
-from mechstyle.fea.history import History
 from mechstyle.fea.snapshots import Snapshot
 from mechstyle.fea.stressed_volume import at_nodes
 from mechstyle.pictures import fields

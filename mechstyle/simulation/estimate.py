@@ -139,8 +139,8 @@ def impact_times(simulator: DropSimulator) -> tuple[float, float]:
     test = prescribed(simulator.recipe)
     if test.window is not None or simulator.period is None:
         return test.window or 0.0, test.window or 0.0
-    skin = simulator.meshes.first.skin
-    stands = skin.surface.vertices[skin.base.standing] if skin.base.standing.any() else skin.surface.vertices
+    vertices, standing = simulator.part.surface.vertices, simulator.part.shape.level_base.standing
+    stands = vertices[standing] if standing.any() else vertices
     flat = RINGING * simulator.period + LEAST_CONTACT
     return flat, flat + ROCKING * math.tan(math.radians(TILT)) * float(np.ptp(stands[:, :2], axis=0).max()) / test.speed
 

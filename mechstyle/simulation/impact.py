@@ -10,16 +10,15 @@ from scipy.spatial.transform import Rotation
 
 from mechstyle.fea.explicit import Progress, no_progress
 from mechstyle.fea.orientations import UP
-from mechstyle.fea.snapshots import Snapshots, snapshots
+from mechstyle.fea.snapshots import snapshots
 from mechstyle.fea.stressed_volume import at_nodes
 from mechstyle.geometry.morph import Morph
 from mechstyle.geometry.transfer import SurfaceMean, Transfer
 from mechstyle.loop.objects import Memo
 from mechstyle.records import Recipe
-from mechstyle.records.mesh import Floats, SurfaceMesh, TetMesh
+from mechstyle.records.mesh import Floats, SurfaceMesh
 from mechstyle.records.regions import Point
-from mechstyle.simulation.meshes import at_rest
-from mechstyle.simulation.part import Workpiece
+from mechstyle.simulation.part import Workpiece, at_rest
 from mechstyle.simulation.physics import PHYSICS_VERSION, memo_key, period_of, physics, prescribed
 
 
@@ -138,7 +137,13 @@ def impact_of(
     tets = morph.morphed(displacement).tets
     period = period_of(lambda: part.tets if part.at is None else at_rest(part.surface), recipe, memo)
     seen = snapshots(tets, recipe.test.material, prescribed(recipe), normal=normal, progress=progress, period=period)
-    impact = _on_surface(seen, part, tets, recipe.test.transfer, normal)
+    made_for = part.surface if part.at is None else part.surface.displaced(part.at)
+    smooth = Transfer(made_for, part.tets)
+    of_stress = smooth if recipe.test.transfer == smooth.method else Transfer(made_for, part.tets, recipe.test.transfer)
+    moved = [np.stack([smooth.to_surface(frame[:, axis]) for axis in range(3)], axis=1) for frame in seen.displacement]
+    mean = SurfaceMean(part.surface)
+    stress = [mean(of_stress.to_surface(at_nodes(tets, corners))) for corners in seen.corners]
+    impact = Impact(seen.time, np.array(moved, np.float32), np.array(stress, np.float32), normal)
     memo.remember(key, impact)
     return impact
 
@@ -147,14 +152,3 @@ def impact_key(recipe: Recipe, displacement: NDArray[np.float32], normal: Point 
     """The name an impact is remembered by; arguments as for `impact_of`."""
     landing = () if normal == UP else (tuple(normal),)
     return memo_key(("impact", PHYSICS_VERSION, *physics(recipe), *landing), displacement)
-
-
-def _on_surface(seen: Snapshots, part: Workpiece, tets: TetMesh, transfer: str, normal: Point) -> Impact:
-    """Frames at the vertices of the tetrahedra as frames at those of the surface; stress by the transfer the verdict's field came by."""
-    made_for = part.surface if part.at is None else part.surface.displaced(part.at)
-    smooth = Transfer(made_for, part.tets)
-    of_stress = smooth if transfer == smooth.method else Transfer(made_for, part.tets, transfer)
-    moved = [np.stack([smooth.to_surface(frame[:, axis]) for axis in range(3)], axis=1) for frame in seen.displacement]
-    mean = SurfaceMean(part.surface)
-    stress = [mean(of_stress.to_surface(at_nodes(tets, corners))) for corners in seen.corners]
-    return Impact(seen.time, np.array(moved, np.float32), np.array(stress, np.float32), normal)

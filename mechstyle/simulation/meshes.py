@@ -1,31 +1,152 @@
-"""Which tetrahedra serve a relief: those of the run, of the plain part, or others that are made for that relief and remembered."""
+"""Tetrahedra of a part: how well they follow a relief, how stress gets from them to the surface, and which of them serve a relief.
+
+Those of the run serve most; the plain part has its own, and others are made for a relief that neither follows, and remembered.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
+from typing import NamedTuple
 
 import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from mechstyle._files import cache_folder
 from mechstyle.errors import MechStyleError
 from mechstyle.fea.explicit import Progress, no_progress
-from mechstyle.geometry.cancelling import CancelCheck, never_cancel
-from mechstyle.geometry.remeshing.filling import KEPT, fill
+from mechstyle.geometry.morph import Morph, Morphed
+from mechstyle.geometry.transfer import SurfaceMean, Transfer
 from mechstyle.loop.objects import AT_REST, CARRIER, LAST_MESH, MESH, MESH_FOR, Memo
-from mechstyle.records.mesh import SurfaceMesh, TetMesh, digest_of
-from mechstyle.simulation.body import Body
+from mechstyle.records.mesh import Floats, TetMesh, digest_of
+from mechstyle.records.recipe import Transfer as TransferName
+from mechstyle.records.simulation import LEAST_CARRIED, VOLUME_ERROR
+from mechstyle.simulation.part import Shape, at_rest, carrying
 
-FEWEST_TETS = 3_000
-TETS_PER_KEPT_VERTEX = 2.0
-"""Asked for, with a relief and without: stresses are compared between meshes that are equally fine. Triangles that are kept alone make one
-and a half."""
-HALF = np.float32(0.5)
-"""Share of the relief that tetrahedra are made for: from there the way to none and to all of it turns the fewest inside out."""
-EXAGGERATED = np.float32(2.0)
-"""Share of the relief by which triangles are chosen to be kept: as many then follow 0.915 instead of 0.90 of a pen holder's bricks."""
+SEEN = 0.01
+"""Relief below which a place has none [mm]: no printer shows it."""
+
+SAME_PART = 0.02
+"""Relief that tetrahedra may keep on the way back to the plain part, over its local wall: what is bent then reads 4 % more or less."""
+
+
+class Followed(NamedTuple):
+    """How well tetrahedra have the shape of a styled surface.
+
+    Attributes:
+        whole: Share of the relief their boundary follows; 1 where there is none.
+        base: The same on the faces the part stands on, None where there is none.
+        volume: Volume over that inside the surface, less 1; of the styled or of the unstylized part, whichever is further off.
+        grounded: 1 less the share of the base that the surface has on the floor and their boundary, which an impact goes through, has not.
+    """
+
+    whole: float
+    base: float | None
+    volume: float
+    grounded: float = 1.0
+
+    @property
+    def least(self) -> float:
+        """The least of the shares."""
+        return float(np.min([self.whole, 1.0 if self.base is None else self.base, self.grounded]))
+
+    @property
+    def under(self) -> float | None:
+        """The share under the part, of the relief or of what is on the floor, whichever is less; None where there is no relief."""
+        if self.base is None:
+            return None if self.grounded >= LEAST_CARRIED else self.grounded
+        return min(self.base, self.grounded)
+
+    @property
+    def enough(self) -> bool:
+        """Whether a verdict may rest on these tetrahedra."""
+        return self.least >= LEAST_CARRIED and abs(self.volume) <= VOLUME_ERROR
+
+    def is_at_least_as_good_as(self, other: Followed) -> bool:
+        """Whether these are taken rather than new ones made: no worse than others that are not enough, and on the floor as the surface."""
+        return self.grounded >= LEAST_CARRIED and self.least >= other.least
+
+    @property
+    def words(self) -> str:
+        """Its figures in words."""
+        base = "" if self.base is None else f" ({self.base:.0%} under the part)"
+        grounded = "" if self.grounded >= LEAST_CARRIED else f", {1.0 - self.grounded:.0%} of its base off the floor"
+        return f"{self.whole:.0%} of the relief{base}{grounded}, volume {self.volume:+.1%}"
+
+
+@dataclass(frozen=True, eq=False)
+class Body:
+    """Tetrahedra of a part, `shape`, that a `nozzle` [mm] prints, and how their stress gets to its surface, `transfer`.
+
+    They were made for its displacement `at` [mm], shape [vertex_count], None for none.
+    """
+
+    shape: Shape
+    tets: TetMesh
+    nozzle: float
+    transfer: TransferName = "barycentric"
+    at: NDArray[np.float32] | None = None
+
+    @property
+    def made_for_relief(self) -> bool:
+        """Whether they were made for a styled surface."""
+        return self.at is not None and bool(np.any(self.at))
+
+    @cached_property
+    def morph(self) -> Morph:
+        """What moves the tetrahedra with the surface."""
+        return Morph(self.shape.surface, self.tets, self.at)
+
+    @cached_property
+    def is_the_plain_part(self) -> bool:
+        """Whether without relief they have the shape of the plain part: its volume, and so little left that no wall is another.
+
+        What is left is averaged over 2 mm, as over less there is no volume that counts.
+        """
+        back = self.morph.morphed(np.zeros(len(self.shape.surface.vertices), np.float32))
+        left = self.shape.smooth(np.abs(back.followed).astype(np.float64)) / self.shape.walls.thickness
+        return bool(left.max() <= SAME_PART) and self.followed(back).enough
+
+    def followed(self, morphed: Morphed) -> Followed:
+        """How well the moved tetrahedra have the shape of the surface they follow.
+
+        The share is the slope of how far their boundary has gone on how far it was to go, by least squares over the surface, as far as the
+        nozzle can print it; on the flat faces both are without their means, because any mesh follows a shift as a whole.
+        """
+        surface, base = self.shape.surface, self.shape.level_base
+        wanted, found = (self._printed(base.contrast(field).astype(np.float64)) for field in (morphed.displacement, morphed.followed))
+        styled, areas = surface.displaced(morphed.displacement), surface.vertex_areas
+        errors = (float(morphed.tets.volumes.sum()) / styled.volume - 1.0, self.morph.volume_without_relief / surface.volume - 1.0)
+        whole = slope(wanted, found, areas)
+        lifted = (base.share(morphed.displacement) or 0.0) - (base.share(morphed.followed) or 0.0)
+        # What a nozzle leaves of a relief beside the base reaches over its edge, where there is none to be followed.
+        under = slope(wanted, found, base.resting * areas * (np.abs(morphed.displacement) > SEEN))
+        shares = (1.0 if whole is None else max(whole, 0.0), None if under is None else max(under, 0.0))
+        return Followed(*shares, max(errors, key=abs), 1.0 - max(lifted, 0.0))
+
+    @cached_property
+    def _printed(self) -> SurfaceMean:
+        """What a nozzle leaves of a relief: a mean over its width."""
+        return SurfaceMean(self.shape.surface, 0.5 * self.nozzle)
+
+    @cached_property
+    def _transfer(self) -> Transfer:
+        return Transfer(self.shape.surface.displaced(self.morph.at), self.tets, self.transfer)
+
+    def contact_at_surface(self, contact: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        """Whether vertices of the surface touch, from whether nodes do, shape [vertex_count]."""
+        return self._transfer.to_surface(contact.astype(np.float64)) > 0.5
+
+    def stress_at_surface(self, nodal: Floats) -> NDArray[np.float32]:
+        """Stress at the nodes brought to the surface and averaged over 2 mm along it [MPa], shape [vertex_count]."""
+        return self.shape.smooth(self._transfer.to_surface(nodal)).astype(np.float32)
+
+
+def slope(wanted: Floats, found: Floats, weights: Floats) -> float | None:
+    """Σ w x y / Σ w x² of a relief x that is wanted and y that is found of it [mm]; None where there is nothing wanted."""
+    total = float((weights * wanted**2).sum())
+    return float((weights * wanted * found).sum()) / total if total > 0.0 else None
+
 
 MORPHED = "morphed"
 AGAIN = "meshed again at half of this relief"
@@ -73,10 +194,10 @@ class Meshes:
         """
         if not self.first.made_for_relief:
             return self.first, (self.memo,) if self.shared is None else (self.shared, self.memo)
-        name = f"{AT_REST}{self.first.skin.surface.digest}"
+        name = f"{AT_REST}{self.first.shape.surface.digest}"
         own, known = self.memo.recall(name, str), None if self.shared is None else self.shared.recall(name, str)
         home = self.memo if self.shared is None or own not in (None, known) else self.shared
-        kept = own or known or home.objects.put_mesh(at_rest(self.first.skin.surface, partial(self.progress, 0.0)))
+        kept = own or known or home.objects.put_mesh(at_rest(self.first.shape.surface, partial(self.progress, 0.0)))
         tets = (self.memo if own else home).objects.get_mesh(kept, TetMesh)
         for memo in (self.memo, home):
             memo.remember(name, memo.objects.put_mesh(tets))
@@ -119,46 +240,17 @@ class Meshes:
             if there.is_at_least_as_good_as(here):
                 return other, AGAIN if there.enough else f"{AGAIN}, but following {there.words}"
         try:
-            body = self._made_for(displacement)
+            name, objects = f"{MESH_FOR}{digest_of(displacement)}", self.memo.objects
+            kept = self.memo.recall(name, KeptMesh)
+            if kept is None:
+                made, half = carrying(self.first.shape.surface, displacement, partial(self.progress, 0.0))
+                kept = KeptMesh(tets=objects.put_mesh(made), at=objects.put_array(half))
+                self.memo.remember(name, kept)
+            tets, at = objects.get_mesh(kept.tets, TetMesh), objects.get_array(kept.at)
+            self.memo.remember(f"{MESH}{tets.digest}", kept)
+            self.memo.remember(f"{LAST_MESH}{self.run}", tets.digest, anew=True)
+            body = replace(self.first, tets=tets, at=at)
         except MechStyleError as error:
             return self.first, f"{MORPHED}, following {here.words}, as the part could not be meshed again: {error}"
         there = body.followed(body.morph.morphed(displacement))
         return body, AGAIN if there.enough else f"{AGAIN}, but following {there.words}"
-
-    def _made_for(self, displacement: NDArray[np.float32]) -> Body:
-        """Tetrahedra made for half of a relief, which are kept for the next."""
-        name, objects = f"{MESH_FOR}{digest_of(displacement)}", self.memo.objects
-        kept = self.memo.recall(name, KeptMesh)
-        if kept is None:
-            made, half = carrying(self.first.skin.surface, displacement, partial(self.progress, 0.0))
-            kept = KeptMesh(tets=objects.put_mesh(made), at=objects.put_array(half))
-            self.memo.remember(name, kept)
-        tets, at = objects.get_mesh(kept.tets, TetMesh), objects.get_array(kept.at)
-        self.memo.remember(f"{MESH}{tets.digest}", kept)
-        self.memo.remember(f"{LAST_MESH}{self.run}", tets.digest, anew=True)
-        return replace(self.first, tets=tets, at=at)
-
-
-def carrying(surface: SurfaceMesh, relief: NDArray[np.float32], go_on: CancelCheck = never_cancel) -> tuple[TetMesh, NDArray[np.float32]]:
-    """Tetrahedra that carry a relief [mm], shape [vertex_count], and the half of it they were made for; cached by content.
-
-    What `go_on` raises ends it.
-
-    Raises:
-        SimulationFailed: If the surface with half of the relief cannot be meshed.
-    """
-    half, exaggerated = (HALF * relief).astype(np.float32), surface.displaced(EXAGGERATED * relief)
-    return fill(surface.displaced(half), _count(surface), keep=exaggerated, cache=cache_folder() / "tets", go_on=go_on), half
-
-
-def at_rest(surface: SurfaceMesh, go_on: CancelCheck = never_cancel) -> TetMesh:
-    """Even tetrahedra of a surface without relief; cached by content. What `go_on` raises ends it.
-
-    Raises:
-        SimulationFailed: If it cannot be meshed.
-    """
-    return fill(surface, _count(surface), cache=cache_folder() / "tets", go_on=go_on)
-
-
-def _count(surface: SurfaceMesh) -> int:
-    return max(FEWEST_TETS, round(TETS_PER_KEPT_VERTEX * min(len(surface.vertices), KEPT // 2)))

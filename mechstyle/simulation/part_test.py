@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING
 
 import msgspec
 import numpy as np
+from scipy.spatial import cKDTree
 
 from mechstyle._files import write_whole
 from mechstyle.errors import BadInput, SimulationFailed
-from mechstyle.fea.drop import resolve_device
+from mechstyle.fea.drop import History, resolve_device
 from mechstyle.fea.explicit import Progress, no_progress
-from mechstyle.fea.history import History
 from mechstyle.fea.snapshots import snapshot
 from mechstyle.geometry.proximity import TriangleTree
 from mechstyle.loop import minimum_wall as walls
@@ -28,11 +28,10 @@ from mechstyle.records.material import Material, material_named
 from mechstyle.records.mesh import STANDARD_VERTICES, Field, SurfaceMesh, TetMesh
 from mechstyle.records.recipe import DEFAULTS, direction_of
 from mechstyle.records.written import length_of
-from mechstyle.simulation.body import SEEN
 from mechstyle.simulation.drop_history import Course, history_picture, vtu_bytes, vtu_path
 from mechstyle.simulation.impact import Impact, impact_of
-from mechstyle.simulation.meshes import at_rest
-from mechstyle.simulation.part import Shape, Stage, Workpiece, cached_memo, fitted, prepare, standardised
+from mechstyle.simulation.meshes import SEEN
+from mechstyle.simulation.part import Shape, Stage, Workpiece, at_rest, cached_memo, fitted, prepare, standardised
 from mechstyle.simulation.physics import period_of, prescribed
 from mechstyle.simulation.simulator import Detail, DropSimulator
 
@@ -41,6 +40,8 @@ if TYPE_CHECKING:
 
 ROUNDS = 20
 """Times a vertex is moved along its normal towards the styled surface; on a slope of 45° each halves what is missing."""
+ON_NORMAL = 0.01
+"""Distance from the normal of a vertex within which a styled vertex is that one, moved [mm]; files round less."""
 ALIKE = 0.05
 """Distance of the styled surface from what the relief gives at which they are the same [mm]: less than a printer shows …"""
 STRAYS = 0.02
@@ -228,9 +229,7 @@ def _tested(
     """The test of a prepared part as it is, or of a relief on it [mm], shape [vertex_count]; `given` is the part as it was read."""
     memo, recipe = cached_memo(), fitted(wanted, part)
     displacement = np.zeros(len(part.surface.vertices), np.float32) if relief is None else relief
-    simulator = DropSimulator(
-        part.surface, part.tets, recipe, memo, memo, device=device, progress=progress, at=part.at, thickness=part.thickness
-    )
+    simulator = DropSimulator(part, recipe, memo, memo, device, progress)
     stage("dropping it")
     tets, detail = simulator.detail(displacement)
     original = None
@@ -290,6 +289,17 @@ def relief_over(original: SurfaceMesh, styled: SurfaceMesh, given: SurfaceMesh |
     for _ in range(ROUNDS):
         there = original.vertices + relief[:, None] * normals
         relief = np.clip(relief + np.einsum("ij,ij->i", tree.nearest(there).point - there, normals), -limit, limit)
+    # Beside a fold the nearest surface belongs to a neighbour. In a mesh of the same vertices the one on the normal is known.
+    vertices = cKDTree(styled.vertices)
+    lost = vertices.query(original.vertices + relief[:, None] * normals)[0] > ON_NORMAL
+    if lost.mean() < 0.5:
+        reach = 2.0 * float(np.abs(relief).max())
+        for vertex in np.flatnonzero(lost):
+            near = styled.vertices[vertices.query_ball_point(original.vertices[vertex], reach)] - original.vertices[vertex]
+            along = near @ normals[vertex]
+            aside = np.linalg.norm(near - along[:, None] * normals[vertex], axis=1)
+            if len(near) and aside.min() < ON_NORMAL:
+                relief[vertex] = along[aside.argmin()]
     made = original.displaced(relief.astype(np.float32))
     back = TriangleTree(made.vertices, made.faces).nearest(styled.vertices).distance
     areas = styled.vertex_areas

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from mechstyle.fea.discretisation import discretise
 from mechstyle.fea.drop import DropTest
 from mechstyle.fea.elements import element_named
-from mechstyle.fea.period import lowest_period
+from mechstyle.fea.linear_solvers import lowest_period
 from mechstyle.loop.objects import Memo
 from mechstyle.records import Recipe
 from mechstyle.records.mesh import TetMesh

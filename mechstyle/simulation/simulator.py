@@ -15,15 +15,15 @@ from mechstyle.errors import SimulationFailed
 from mechstyle.fea.drop import Drop, drop
 from mechstyle.fea.explicit import Progress, no_progress
 from mechstyle.fea.orientations import Orientations, landings
-from mechstyle.fea.statics.load_test import StaticTest
+from mechstyle.fea.statics import StaticTest
 from mechstyle.fea.stressed_volume import DROPPED, LOADED, Exceeded, at_nodes, exceeded
 from mechstyle.geometry.morph import Morphed
 from mechstyle.loop.objects import Memo
 from mechstyle.records import Landing, LoadResult, Recipe, Simulation, Verdict, judge
-from mechstyle.records.mesh import Floats, SurfaceMesh, TetMesh, digest_of
+from mechstyle.records.mesh import Floats, TetMesh, digest_of
 from mechstyle.records.simulation import GREATEST_HEIGHT, LEAST_HEIGHT, Way
-from mechstyle.simulation.body import Body, Skin
-from mechstyle.simulation.meshes import Meshes
+from mechstyle.simulation.meshes import Body, Meshes
+from mechstyle.simulation.part import Workpiece
 from mechstyle.simulation.physics import PHYSICS_VERSION, memo_key, period_of, physics, prescribed
 
 STEERING = 2
@@ -61,45 +61,40 @@ class DropSimulator:
     """The drop test of one part under one recipe.
 
     Attributes:
-        surface: The unstylized, standardised surface.
-        tets: Tetrahedra of it displaced by `at`.
+        part: The prepared part.
         recipe: What decides the physics: material, drop, orientations, transfer.
         memo: Where results are remembered by the digest of their inputs.
         shared: The same of the unstylized part for other runs too, once computed here; None for nowhere.
         device: `cpu` or `cuda`.
         progress: Called with the fraction done, and while tetrahedra are made; may raise to cancel.
-        at: Displacement the tetrahedra were made for [mm], shape [vertex_count]; None for none.
-        thickness: Local wall thickness of the surface [mm], shape [vertex_count]; None to work it out.
     """
 
-    surface: SurfaceMesh
-    tets: TetMesh
+    part: Workpiece
     recipe: Recipe
     memo: Memo
     shared: Memo | None = None
     device: str = "cpu"
     progress: Progress = field(default=no_progress)
-    at: NDArray[np.float32] | None = None
-    thickness: NDArray[np.floating] | None = None
 
     @cached_property
     def meshes(self) -> Meshes:
         """The tetrahedra that serve the part and its reliefs."""
-        first = Body(Skin(self.surface, self.recipe.delivery.nozzle, self.thickness), self.tets, self.recipe.test.transfer, self.at)
+        part, recipe = self.part, self.recipe
+        first = Body(part.shape, part.tets, recipe.delivery.nozzle, recipe.test.transfer, part.at)
         # A folder that holds another part than its recipe names teaches other runs nothing, and learns nothing from them.
-        claimed = self.surface.digest != self.recipe.test.specimen.surface
-        return Meshes(first, self.memo, None if claimed else self.shared, self.recipe.digest, self.progress)
+        claimed = part.surface.digest != recipe.test.specimen.surface
+        return Meshes(first, self.memo, None if claimed else self.shared, recipe.digest, self.progress)
 
     @cached_property
     def landings(self) -> Orientations:
         """Landings of the unstylized part, so that both are compared in the same: flat, nearly flat, then the others."""
         recipe = self.recipe
-        return landings(self.surface, recipe.test.poses, recipe.test.orientations, nearly_flat=recipe.test.nearly_flat)
+        return landings(self.part.surface, recipe.test.poses, recipe.test.orientations, nearly_flat=recipe.test.nearly_flat)
 
     @cached_property
     def baseline(self) -> Simulation:
         """The unstylized part in all landings, on tetrahedra of its own."""
-        return self.simulate(np.zeros(len(self.surface.vertices), np.float32), thorough=True)
+        return self.simulate(np.zeros(len(self.part.surface.vertices), np.float32), thorough=True)
 
     def simulate(self, displacement: NDArray[np.float32], *, thorough: bool) -> Simulation:
         """Drop the displaced part, flat and in the hardest nearly flat landings or (`thorough`) in all, and load it; remembered.
@@ -129,7 +124,7 @@ class DropSimulator:
         verdict = judge(simulation, self.baseline, self.recipe)
         if verdict.settled or verdict.outcome == "UNKNOWN" or self.recipe.test.criterion == "paper":  # which an original does not excuse
             return verdict
-        body, nothing = self.meshes.known(simulation.mesh), np.zeros(len(self.surface.vertices), np.float32)
+        body, nothing = self.meshes.known(simulation.mesh), np.zeros(len(self.part.surface.vertices), np.float32)
         if body is None or not body.made_for_relief or not body.is_the_plain_part:
             return verdict
         return judge(simulation, self.baseline, self.recipe, harder(self.baseline, self._on(body, nothing, thorough=False)))
@@ -143,7 +138,12 @@ class DropSimulator:
             self._static(body).check()
             numbers = self.numbers(displacement, thorough=True)
             result = self._dropped(morphed.tets, self.landings.normals[list(numbers)], self.recipe.test.height)
-            balance = None if result.failure else self._balance_error(morphed.tets, result.phases[0][0].end)
+            balance = None
+            if not result.failure:  # once more through its first phase, without damping, which takes what is missing
+                undamped = replace(prescribed(self.recipe), damping=0.0, window=result.phases[0][0].end)
+                material, flat = self.recipe.test.material, self.landings.normals[:1]
+                again = drop(morphed.tets, material, flat, undamped, device=self.device, progress=self.progress)
+                balance = None if again.failure else float(np.abs(again.history[0].damping_loss).max() / again.history[0].kinetic[0])
             simulation = self._brought(body, morphed, result, numbers, thorough=True)
             detail = Detail(replace(simulation, meshing=meshing), result, balance)
             self.memo.remember(f"{key}-detail", detail)
@@ -172,17 +172,11 @@ class DropSimulator:
         return simulation
 
     def _key(self, body: Body, displacement: NDArray[np.float32], *, thorough: bool) -> str:
-        recipe = self.recipe.on(surface=self.surface.digest, tetrahedra=body.tets.digest)
+        recipe = self.recipe.on(surface=self.part.surface.digest, tetrahedra=body.tets.digest)
         normals = self.landings.normals[list(self.numbers(displacement, thorough=thorough))]
         further = thorough and not self.recipe.test.hardest_only
         drops, at = (further, digest_of(normals)), "" if body.at is None else digest_of(body.at)
         return memo_key((PHYSICS_VERSION, self.device, *physics(recipe), recipe.test.loads, drops, at), displacement)
-
-    def _balance_error(self, tets: TetMesh, window: float) -> float | None:
-        """Of `Detail`, over the first phase, which lasted for `window` [ms]: without damping, which takes what is missing."""
-        undamped = replace(prescribed(self.recipe), damping=0.0, window=window)
-        found = drop(tets, self.recipe.test.material, self.landings.normals[:1], undamped, device=self.device, progress=self.progress)
-        return None if found.failure else float(np.abs(found.history[0].damping_loss).max() / found.history[0].kinetic[0])
 
     @cached_property
     def _steering(self) -> tuple[int, ...]:
@@ -201,7 +195,7 @@ class DropSimulator:
 
     def _static(self, body: Body) -> StaticTest:
         """The load cases, their places picked on the plain part."""
-        plain = body.morph.morphed(np.zeros(len(self.surface.vertices), np.float32)).tets if self.recipe.test.loads else body.tets
+        plain = body.morph.morphed(np.zeros(len(self.part.surface.vertices), np.float32)).tets if self.recipe.test.loads else body.tets
         return StaticTest(plain, self.recipe.test.loads, self.recipe.test.element)
 
     def _under_loads(self, body: Body, dropped: Simulation, tets: TetMesh) -> Simulation:
@@ -241,7 +235,7 @@ class DropSimulator:
             displacement=morphed.displacement, contact=np.zeros(len(morphed.displacement), bool),
             backed_off=morphed.backed_off, deviation=morphed.deviation,
             carried=fit.whole, carried_base=fit.under, volume_error=fit.volume, volume=float(tets.volumes.sum()),
-            mesh=body.tets.digest, level_share=body.skin.base.share(morphed.displacement),
+            mesh=body.tets.digest, level_share=body.shape.level_base.share(morphed.displacement),
             time_step=result.time_step, steps=max(result.steps, 0 if known is None else known.steps),
             added_mass=result.added_mass, failure=result.failure,
         )  # fmt: skip
@@ -291,7 +285,7 @@ class DropSimulator:
 
     def _reading_on(self, tets: TetMesh) -> Read:
         """What reads σ_V on a mesh, of a stress at its nodes and the edge of V0."""
-        weights = self.meshes.first.skin.walls.weights(tets)
+        weights = self.part.shape.walls.weights(tets)
         return lambda nodal, edge: exceeded(tets, nodal, weights, edge**3)
 
     def _critical_height(self, stress: float, exponent: float) -> float:

@@ -191,7 +191,7 @@ def strengthened(
     def asking(_fraction: float) -> None:
         go_on()
 
-    simulator = DropSimulator(part.surface, part.tets, plain, memo, memo, where, asking, at=part.at, thickness=part.thickness)
+    simulator = DropSimulator(part, plain, memo, memo, where, asking)
     free = _freedom(part, recipe)
     added = np.zeros(len(part.surface.vertices), np.float32)
     stage("testing the part")

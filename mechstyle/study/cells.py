@@ -1,15 +1,21 @@
 """One cell of a study: a recipe on a model, run in one directory, with one row file. The rows on disk are the truth.
 
 A row file is written aside and renamed, and named by the digest of what was asked for. Whoever walks over the cells skips those with a
-row, so an interrupted study goes on where it stopped, on one machine or on many that share a folder.
+row, so an interrupted study goes on where it stopped, on one machine or on many that share a folder. Loads are scaled to a share of what
+the plain part carries, so that parts as different as a hook and a box are loaded as hard. All rows are one table: Parquet where pyarrow is
+installed, JSON where it is not.
 """
 
 from __future__ import annotations
 
 import hashlib
+import math
 import os
 import traceback
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
+from importlib import import_module
+from importlib.util import find_spec
 from pathlib import Path
 from time import perf_counter
 from typing import Any, Literal
@@ -18,13 +24,17 @@ import msgspec
 
 from mechstyle import __version__
 from mechstyle._files import exclusive, file_stem, write_whole
-from mechstyle.errors import MechStyleError
+from mechstyle.errors import BadInput, MechStyleError
+from mechstyle.fea.statics import StaticTest
+from mechstyle.fea.stressed_volume import LOADED, Walls, at_nodes, exceeded
 from mechstyle.gallery import PREFIX, addressed, load
 from mechstyle.geometry.remeshing.filling import VERSION as TETRAHEDRA
 from mechstyle.records import Recipe
+from mechstyle.records.load_cases import Load, LoadCase
+from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.runs.run import Run, started
+from mechstyle.simulation.part import prepare
 from mechstyle.simulation.physics import PHYSICS_VERSION
-from mechstyle.study.loads import with_loads, words_of
 
 Status = Literal["done", "refused", "failed"]
 
@@ -295,3 +305,165 @@ def figures_of(run: Run) -> Mapping[str, Any]:
         "mass_gained": run.part.mass_gained,
         "device": summary.device,
     }
+
+
+class LoadFactor(msgspec.Struct, frozen=True, kw_only=True):
+    """What a plain part carries of one load case.
+
+    Attributes:
+        case: Name of the case.
+        stress: σ_V under the case [MPa].
+        factor: Load factor: how many times the case before σ_V is the yield strength.
+    """
+
+    case: str
+    stress: float
+    factor: float
+
+
+def with_loads(recipe: Recipe, model: SurfaceMesh, vertices: int, *, share: float, folder: Path) -> Recipe:
+    """A recipe whose load cases are each a share of what the plain part carries.
+
+    Args:
+        recipe: It names the cases and the material.
+        model: The part.
+        vertices: Vertices of the standardised surface.
+        share: Load asked for over the load at which σ_V is the yield strength.
+        folder: Where the load factors of the plain part are kept, so that all runs of a study ask for the same load.
+
+    Raises:
+        BadInput: If the part or a case cannot be used.
+        SimulationFailed: If the part cannot be meshed or the equations cannot be solved.
+    """
+    asked = (model.digest, vertices, recipe.test.loads, recipe.test.material, recipe.test.element, recipe.test.across_layers)
+    name = hashlib.sha256(msgspec.json.encode(asked)).hexdigest()[:24]
+    path = folder / f"{name}.json"
+    with exclusive(folder / "locks" / name, f"the load of {recipe.test.loads[0].name!r}", wait=True):
+        try:
+            known = msgspec.json.decode(path.read_bytes(), type=tuple[LoadFactor, ...])
+        except (OSError, msgspec.MsgspecError):
+            known = load_factors(recipe, model, vertices)
+            write_whole(path, msgspec.json.format(msgspec.json.encode(known), indent=1))
+    cases = tuple(scaled(case, share * one.factor) for case, one in zip(recipe.test.loads, known, strict=True))
+    return recipe.with_settings(loads=cases)
+
+
+def load_factors(recipe: Recipe, model: SurfaceMesh, vertices: int) -> tuple[LoadFactor, ...]:
+    """Load factors of a plain part, one for each load case of a recipe; arguments and errors as for `with_loads`."""
+    part = prepare(model, vertices=vertices)
+    test = recipe.test
+    responses = StaticTest(part.tets, test.loads, test.element).run(part.tets, test.material, test.across_layers)
+    weights, found = Walls(part.surface.vertices, part.thickness).weights(part.tets), []
+    for name, response in responses.items():
+        stress = exceeded(part.tets, at_nodes(part.tets, response.corners), weights, LOADED**3).stress
+        found.append(LoadFactor(case=name, stress=stress, factor=recipe.test.material.yield_strength / stress))
+    return tuple(found)
+
+
+def scaled(case: LoadCase, factor: float) -> LoadCase:
+    """A load case with all its loads multiplied."""
+    loads = []
+    for one in case.loads:
+        if one.force is not None:
+            x, y, z = one.force
+            loads.append(msgspec.structs.replace(one, force=(factor * x, factor * y, factor * z)))
+        elif one.pressure is not None:
+            loads.append(msgspec.structs.replace(one, pressure=factor * one.pressure))
+        else:
+            assert one.gravity is not None, "a load is a force, a pressure or gravity"
+            loads.append(msgspec.structs.replace(one, gravity=factor * one.gravity))
+    return msgspec.structs.replace(case, loads=tuple(loads))
+
+
+def words_of(case: LoadCase) -> str:
+    """Name and size of a load case, such as "heavy coat, 703 N"."""
+    return ", ".join((case.name, *map(_size, case.loads)))
+
+
+def _size(load: Load) -> str:
+    if load.force is not None:
+        size = math.hypot(*load.force)
+        return f"{size:.0f} N" if size >= 100.0 else f"{size:.3g} N"
+    return f"{load.gravity:.3g} × its weight" if load.gravity is not None else f"{load.pressure:.3g} MPa"
+
+
+MEASURED = ("outcome", "sure", "flat_stress", "flat_height")
+"""Columns by which a table is known to be of critical drop heights."""
+FIELDS = Row.__struct_fields__
+
+
+def write_table(rows: Sequence[Row], path: Path) -> Path:
+    """Write rows to `path` with the suffix .parquet, or .json without pyarrow; the file appears whole or not at all.
+
+    Returns:
+        The file that was written.
+    """
+    pyarrow = _pyarrow()
+    if pyarrow is None:
+        target = path.with_suffix(".json")
+        write_whole(target, msgspec.json.format(msgspec.json.encode(list(rows)), indent=1))
+        return target
+    target, sink = path.with_suffix(".parquet"), pyarrow.BufferOutputStream()
+    from pyarrow import parquet  # noqa: PLC0415 — an extra
+
+    columns = {name: [getattr(row, name) for row in rows] for name in Row.__struct_fields__}
+    plain = {float: pyarrow.float64(), float | None: pyarrow.float64(), int: pyarrow.int64(), bool: pyarrow.bool_()}
+    fields = [(field.name, plain.get(field.type, pyarrow.string())) for field in msgspec.structs.fields(Row)]  # all else as text
+    parquet.write_table(pyarrow.table(columns, schema=pyarrow.schema(fields)), sink, compression="zstd")
+    write_whole(target, sink.getvalue().to_pybytes())
+    return target
+
+
+def read_table(source: str | Path) -> list[Row]:
+    """The rows of a study's folder, or of a table made of one, .parquet or .json.
+
+    Raises:
+        BadInput: If there are none, or the table is another's or of another measure.
+    """
+    path = Path(source)
+    if path.is_dir():
+        rows = Rows(path).all()
+        for row in [] if rows else sorted((path / "rows").glob("*.json")):  # is there one of another measure?
+            with suppress(OSError, msgspec.MsgspecError):
+                check_measure(path, msgspec.json.decode(row.read_bytes(), type=dict[str, Any]))
+    elif not path.is_file():
+        raise BadInput(f"{path} does not exist: name the folder of a study, or its table")
+    else:
+        rows = _read(path)
+    if not rows:
+        raise BadInput(f"{path} holds no rows of a study: name the folder that was its --out, or its table")
+    return rows
+
+
+def check_measure(path: Path, columns: Iterable[str]) -> None:
+    """Refuse a table whose columns are not those of critical drop heights, with BadInput in one sentence."""
+    known = set(columns)
+    missing, strange = ([name for name in names if name not in others] for names, others in ((MEASURED, known), (sorted(known), FIELDS)))
+    if missing and known & set(FIELDS):
+        theirs = f", and has {', '.join(strange[:4])} instead" if strange else ""
+        raise BadInput(f"{path} is of another measure: it lacks the columns {', '.join(missing)}{theirs}; run the study again")
+
+
+def _read(path: Path) -> list[Row]:
+    try:
+        rows: list[Any]
+        if path.suffix == ".json":
+            rows = msgspec.json.decode(path.read_bytes(), type=list[dict[str, Any]])
+        elif _pyarrow() is None:
+            raise BadInput(f"{path} is Parquet, which needs pyarrow: pip install 'mechstyle[study]'")
+        else:
+            from pyarrow import parquet  # noqa: PLC0415 — an extra
+
+            rows = parquet.read_table(path).to_pylist()
+        for row in rows[:1]:
+            check_measure(path, row)
+        return msgspec.convert(rows, list[Row])
+    except (msgspec.MsgspecError, ValueError, OSError) as error:
+        if isinstance(error, BadInput):
+            raise
+        raise BadInput(f"{path} is no table of a study ({error}): make it again with `mechstyle study`") from error
+
+
+def _pyarrow() -> Any:
+    """The package, or None where it is not installed."""
+    return import_module("pyarrow") if find_spec("pyarrow") else None

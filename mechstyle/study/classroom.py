@@ -27,6 +27,8 @@ VERTICES, ITERATIONS = 3000, 60
 COLUMNS = ("place", "who", "part", "style", "outcome", "survives", "style kept", "drops")
 MOST = 1000
 """Reports of a class at most."""
+ESCAPED = str.maketrans({sign: f"\\{sign}" for sign in "\\|<>[]`*_"})
+"""What would end a cell of a Markdown table, or be read as markup."""
 
 
 @dataclass(frozen=True)
@@ -86,11 +88,11 @@ def prepare(
             given = options({"prompt": prompt, **settings_for(recipe, partial(draft, prompt))})
             words = ["mechstyle", "run", model, *dict.fromkeys(given), "--vertices", str(vertices), "--out", f"runs/{file_stem(prompt)}"]
             tasks.append(Task(model, prompt, shlex.join(words)))
-    write_whole(folder / "commands.md", _page(tasks).encode())
+    write_whole(folder / "commands.md", _task_sheet(tasks).encode())
     return tasks
 
 
-def _page(tasks: Sequence[Task]) -> str:
+def _task_sheet(tasks: Sequence[Task]) -> str:
     """What a class types."""
     lines = ["# What to type\n", "Each run takes about a minute. Afterwards write your report and hand in the file.\n"]
     for model in dict.fromkeys(task.model for task in tasks):
@@ -160,22 +162,13 @@ def as_file(handed: Handed, path: Path) -> Path:
     """Write the table as Markdown or CSV, by the suffix of the file; BadInput for any other."""
     if path.suffix.lower() == ".csv":
         text = io.StringIO()
-        csv.writer(text).writerows([_harmless(cell) for cell in line] for line in handed.lines)
+        # no spreadsheet takes a cell for a formula that begins with a quote
+        harmless = ([f"'{cell}" if cell[:1] in ("=", "+", "-", "@", "\t", "\r") else cell for cell in line] for line in handed.lines)
+        csv.writer(text).writerows(harmless)
         write_whole(path, text.getvalue().encode("utf-8-sig"))  # the mark without which spreadsheets misread an umlaut
     elif path.suffix.lower() == ".md":
-        lines = [tuple(_one_cell(cell) for cell in line) for line in handed.lines]
+        lines = [tuple(" ".join(cell.split()).translate(ESCAPED) for cell in line) for line in handed.lines]
         write_whole(path, f"# Who keeps most style?\n\n{markdown(lines)}".encode())
     else:
         raise BadInput(f"a table is written as .md or .csv, not as {path.name}")
     return path
-
-
-def _harmless(cell: str) -> str:
-    """A cell that no spreadsheet takes for a formula."""
-    return f"'{cell}" if cell[:1] in ("=", "+", "-", "@", "\t", "\r") else cell
-
-
-def _one_cell(cell: str) -> str:
-    """A cell that cannot end its row or its column, or be read as markup."""
-    plain = " ".join(cell.split()).replace("\\", "\\\\")
-    return "".join(f"\\{sign}" if sign in "|<>[]`*_" else sign for sign in plain)

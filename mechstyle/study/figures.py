@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mechstyle.study.cells import Row
-from mechstyle.study.statistics import Equivalence, wilson
+from mechstyle.study.statistics import wilson
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -100,21 +100,6 @@ def spread(rows: Sequence[Row], field: str, label: str, *, log: bool = False) ->
         axes[0].xaxis.set_major_formatter("{x:g}")
         axes[0].xaxis.set_minor_formatter("")
     axes[0].set_xlabel(f"{label}; bar: median", size=8)
-    return _png(sheet)
-
-
-def losses(found: dict[str, Equivalence], counts: dict[str, int]) -> bytes:
-    """Paired differences of style loss to freestyle [% of its loss] with 90 % intervals, and the margin shaded, as PNG."""
-    sheet, axes = _sheet(0.9 + 0.26 * len(found), 1)
-    margin = max((one.margin for one in found.values()), default=5.0)
-    axes[0].axvspan(-margin, margin, color="#e6eef4", zorder=0)
-    axes[0].axvline(0.0, color="#a0a0a0", linewidth=0.8)
-    for y, (arm, one) in enumerate(found.items()):
-        axes[0].plot([one.low, one.high], [y, y], color=PASSES, linewidth=1.4)
-        axes[0].plot(one.difference, y, marker="o" if one.shown else "X", color=PASSES if one.shown else FAILS, markersize=5)
-        axes[0].text(1.01, y, f"n = {counts[arm]}", va="center", size=7.5, transform=axes[0].get_yaxis_transform())
-    _named(axes[0], list(found))
-    axes[0].set_xlabel("style loss less freestyle's [% of it], 90 % interval; shaded: margin; cross: not shown to lie in it", size=8)
     return _png(sheet)
 
 

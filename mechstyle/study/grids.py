@@ -134,7 +134,7 @@ class Factors:
 
 
 def cells_of(study: str, factors: Factors) -> list[Cell]:
-    """The cells of a study.
+    """The cells of a study: how often a style alone breaks a part, every control with every schedule, or each arm under each condition.
 
     Args:
         study: One of STUDIES.
@@ -148,26 +148,14 @@ def cells_of(study: str, factors: Factors) -> list[Cell]:
     for model in dict.fromkeys(factors.addresses):
         if not model.startswith(PREFIX):
             load(model)  # one that cannot be used is refused before hours are spent on the others
-    return {"formative": _formative, "evaluation": _evaluation, "ablation": _ablation}[study](factors)
-
-
-def _formative(factors: Factors) -> list[Cell]:
-    """How often a style alone breaks a part."""
+    if study == "ablation":
+        return _ablation(factors)
+    arms: list[tuple[str, dict[str, Any]]] = [("freestyle", FREESTYLE)]
+    if study == "evaluation":  # without corrections at the end, as published; and freely, for the loss it is compared with
+        ways = product(factors.schedules, factors.controls)
+        arms += [(f"{one} × {control}", {"control": control, "schedule": one, "guarantee": False}) for one, control in ways]
     blocks = product(factors.addresses, factors.styles, factors.seeds)
-    return [factors.cell(model, style, seed, "freestyle", **FREESTYLE) for model, style, seed in blocks]
-
-
-def _evaluation(factors: Factors) -> list[Cell]:
-    """Every control with every schedule, without corrections at the end, as published; and freely, for the loss it is compared with."""
-    ways = [
-        (f"{schedule} × {control}", {"control": control, "schedule": schedule, "guarantee": False})
-        for schedule, control in product(factors.schedules, factors.controls)
-    ]
-    blocks = product(factors.addresses, factors.styles, factors.seeds)
-    return [
-        factors.cell(model, style, seed, arm, **settings)
-        for model, style, seed in blocks for arm, settings in [("freestyle", FREESTYLE), *ways]
-    ]  # fmt: skip
+    return [factors.cell(model, style, seed, arm, **settings) for model, style, seed in blocks for arm, settings in arms]
 
 
 def _ablation(factors: Factors) -> list[Cell]:

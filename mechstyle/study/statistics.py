@@ -108,12 +108,6 @@ def friedman(blocks: ArrayLike) -> tuple[float, float] | None:
     return float(found.statistic), float(found.pvalue)
 
 
-def wilcoxon(first: ArrayLike, second: ArrayLike) -> float:
-    """Wilcoxon's signed-rank test of pairs; 1 if no pair differs."""
-    difference = np.asarray(first, dtype=np.float64) - np.asarray(second, dtype=np.float64)
-    return 1.0 if not difference.any() else float(stats.wilcoxon(difference).pvalue)
-
-
 def holm(probabilities: Sequence[float]) -> list[float]:
     """Probabilities of several tests, adjusted so that one of them errs no more often than the level says (Holm 1979), in their order."""
     order = np.argsort(probabilities)
@@ -137,40 +131,3 @@ def bootstrap_over(clusters: Sequence[str], values: ArrayLike, *, resamples: int
     found = [np.concatenate([own[k] for k in random.integers(0, len(own), len(own))]).mean() for _ in range(resamples)]
     low, high = np.quantile(found, [0.025, 0.975])
     return float(low), float(high)
-
-
-@dataclass(frozen=True)
-class Equivalence:
-    """Two one-sided tests of paired differences against a margin (Schuirmann 1987).
-
-    Attributes:
-        difference: Mean difference.
-        low, high: Its 90 % interval, which lies within the margin exactly where both tests reject at 5 %.
-        p: The larger probability of the two tests: small where the difference is shown to lie within the margin.
-        margin: That margin, to both sides.
-    """
-
-    difference: float
-    low: float
-    high: float
-    p: float
-    margin: float
-
-    @property
-    def shown(self) -> bool:
-        """Whether the difference is shown to lie within the margin, at 5 %."""
-        return self.p < 0.05
-
-
-def equivalence(differences: ArrayLike, margin: float) -> Equivalence | None:
-    """Whether paired differences lie within a margin fixed beforehand, which no test for a difference says; None for fewer than two."""
-    sample = np.asarray(differences, dtype=np.float64)
-    if len(sample) < 2:
-        return None
-    mean, error = float(sample.mean()), float(sample.std(ddof=1) / np.sqrt(len(sample)))
-    if error == 0.0:
-        return Equivalence(mean, mean, mean, 0.0 if abs(mean) < margin else 1.0, margin)
-    law = stats.t(len(sample) - 1)
-    reach = float(law.ppf(0.95)) * error
-    p = max(float(law.sf((mean + margin) / error)), float(law.cdf((mean - margin) / error)))
-    return Equivalence(mean, mean - reach, mean + reach, p, margin)

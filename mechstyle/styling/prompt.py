@@ -31,8 +31,7 @@ import msgspec
 from numpy.typing import ArrayLike
 
 from mechstyle.errors import BadInput
-from mechstyle.records.chapters import check_prompt
-from mechstyle.records.recipe import Recipe
+from mechstyle.records.recipe import Recipe, check_prompt
 from mechstyle.records.regions import End, Region, Rim, region
 from mechstyle.styling import vocabulary as english
 from mechstyle.styling.clauses import Clause, clauses_of

@@ -60,7 +60,7 @@ DEAF = """() => {
 def test_two_views_of_one_studio_are_there_again_after_a_reload(notebook, busy):
     notebook.open("from mechstyle_widgets import Studio\nstudio = Studio(vertices=4000)\nstudio", "studio")
     notebook.drawn(1)
-    # The list is answered while a preview is drawn (tests/widgets/jupyter/test_listing.py), which may close what it names.
+    # The list is answered while a preview is drawn (tests/widgets/jupyter/test_one_thread.py), which may close what it names.
     notebook.page.get_by_text(PREVIEWED).first.wait_for()
     notebook.page.evaluate("() => window.jupyterapp.commands.execute('docmanager:save')")
     notebook.page.add_init_script(f"({busy})()")

@@ -41,20 +41,23 @@ def click(studio, x, y):
 
 
 def test_a_click_paints_and_the_same_click_takes_it_away(studio):
-    before = studio.drawn()
+    studio.until("studio._viewer.original is not None", True)  # a preview is on show, with the inside and the underside hatched
+    spared = int(studio.python("print(studio._viewer.protected.sum())"))
+    assert spared > 0
     studio.python("studio.regions_picker.radius, studio.regions_picker.paint = 12.0, True")
     before = studio.drawn()  # the page has heard of it
     studio.canvas().click()
-    studio.until("len(studio.regions_picker.protect)", 1)
+    studio.until(f"(len(studio.regions_picker.protect), bool(studio._viewer.protected.sum() > {spared}))", "(1, True)")
     studio.changed(studio.canvas(), before, 0.005)
     studio.canvas().click()
-    studio.until("(len(studio.regions_picker.protect), bool(studio._viewer.protected.any()))", "(0, False)")
+    studio.until("(len(studio.regions_picker.protect), int(studio._viewer.protected.sum()))", (0, spared))
     studio.python("studio.regions_picker.paint = False")
 
 
 def test_it_appears_with_the_part_in_it_and_can_be_turned(studio):
     before = studio.drawn()
     studio.keep("studio-start", whole(studio))
+    assert "(0)" not in whole(studio).inner_text(), "of files to upload"
     studio.drag(studio.canvas(), (0.5, 0.5), (0.7, 0.5))
     studio.changed(studio.canvas(), before, 0.005)
 

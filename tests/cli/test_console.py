@@ -82,7 +82,7 @@ def test_where_no_bar_is_shown_a_line_says_every_ten_seconds_what_is_done(capsys
         waited.append(seconds)
         return next(answers)
 
-    with console.telling(30, quiet=False) as teller:
+    with console.progress_shown(30, quiet=False) as teller:
         teller.stage("filling it with tetrahedra")
         console.lines(teller.line, over)
     assert waited == [10.0, 10.0, 10.0]
@@ -90,7 +90,7 @@ def test_where_no_bar_is_shown_a_line_says_every_ten_seconds_what_is_done(capsys
 
 
 def test_nothing_is_said_where_figures_are_asked_for(capsys):
-    with console.telling(30, quiet=True) as teller:
+    with console.progress_shown(30, quiet=True) as teller:
         teller.stage("filling it with tetrahedra")
         teller.line()
     assert capsys.readouterr().err == ""

@@ -18,7 +18,7 @@ from mechstyle.cli.console import out
 from mechstyle.cli.run import report
 from mechstyle.errors import BadInput
 from mechstyle.geometry.filaments import clustered
-from mechstyle.loop.events import Checkpointed
+from mechstyle.loop.engine import Checkpointed
 from mechstyle.loop.store import Store
 from mechstyle.records import sentences
 from mechstyle.records.mesh import TetMesh

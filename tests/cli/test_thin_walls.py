@@ -6,7 +6,7 @@ import pytest
 
 import mechstyle as ms
 from mechstyle.cli.app import app
-from mechstyle.cli.console import telling
+from mechstyle.cli.console import progress_shown
 from mechstyle.errors import SimulationFailed
 
 
@@ -48,7 +48,7 @@ def test_walls_too_thin_are_logged_before_the_minutes_of_meshing_where_python_as
 
 
 def test_a_warning_is_given_once_however_often_a_part_is_prepared(capsys):
-    with telling(3, quiet=False) as teller:
+    with progress_shown(3, quiet=False) as teller:
         teller.warn(["a wall is thin [1]"])
         teller.warn(["a wall is thin [1]", "so is another"])
     assert capsys.readouterr().err.count("warning: a wall is thin [1]") == 1

@@ -11,7 +11,6 @@ import trimesh
 
 from mechstyle import gallery
 from mechstyle.errors import BadInput
-from mechstyle.fea.footprint import touchdowns
 from mechstyle.fea.orientations import (
     SAME_LANDING,
     TILT,
@@ -24,8 +23,9 @@ from mechstyle.fea.orientations import (
     nearly_flat_of,
     orientation_set,
     resting,
-    stable_poses,
+    touchdowns,
 )
+from mechstyle.fea.poses import stable_poses
 from mechstyle.records import POSES
 from mechstyle.records.mesh import SurfaceMesh
 

@@ -13,7 +13,7 @@ from mechstyle.fea.discretisation import discretise
 from mechstyle.fea.drop import DropTest, drop
 from mechstyle.fea.elements import LINEAR, QUADRATIC
 from mechstyle.fea.flight import RigidBody
-from mechstyle.fea.period import lowest_period
+from mechstyle.fea.linear_solvers import lowest_period
 from mechstyle.fea.snapshots import snapshots
 from mechstyle.fea.stressed_volume import DROPPED, at_nodes, exceeded
 from mechstyle.records.material import LIBRARY

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from mechstyle.loop.bounds import Bounds, advanced, unrestrained
+from mechstyle.loop.bounds import Bounds, advanced, unrestrained_relief
 from support.bench import grid
 from support.records import recipe
 
@@ -65,12 +65,12 @@ def test_an_iteration_lets_through_what_the_mask_says_and_no_more_than_the_bound
 def test_many_iterations_never_cut_a_wall_below_the_thinnest_that_can_be_printed():
     thin = Bounds(thickness=np.full(COUNT, 1.0, np.float32), inward=ALL, outward=ALL, freedom=ALL)
     asked, minimum = np.full(COUNT, -1.0, np.float32), 0.8
-    grown = unrestrained(asked, thin, recipe(iterations=20, minimum_wall=minimum))
+    grown = unrestrained_relief(asked, thin, recipe(iterations=20, minimum_wall=minimum))
     assert (1.0 + grown).min() >= minimum - 1e-3
     assert grown.max() < 0.0
 
 
 def test_a_finished_proposal_grows_to_itself_where_nothing_is_in_its_way(bounds):
     asked = np.linspace(-0.9, 3.9, COUNT).astype(np.float32)
-    np.testing.assert_allclose(unrestrained(asked, bounds, recipe(iterations=40)), asked, atol=1e-4)
-    assert not unrestrained(asked, replace(bounds, freedom=0.0 * ALL), recipe(iterations=40)).any()
+    np.testing.assert_allclose(unrestrained_relief(asked, bounds, recipe(iterations=40)), asked, atol=1e-4)
+    assert not unrestrained_relief(asked, replace(bounds, freedom=0.0 * ALL), recipe(iterations=40)).any()

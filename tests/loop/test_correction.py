@@ -16,7 +16,7 @@ from mechstyle.loop.correction import (
     WHOLE,
     Correction,
     Finding,
-    lowering,
+    lowered_share,
     neighbours,
     remaining_share,
 )
@@ -62,7 +62,7 @@ def search(passes, used, limit=40, standing=NOWHERE, begun=WHOLE_RELIEF, sure=No
 
 
 def test_relief_is_lowered_around_what_is_overloaded_and_nowhere_else():
-    taken = lowering(peak(30), NEAR)
+    taken = lowered_share(peak(30), NEAR)
     assert taken[30] == taken.max() > 0.3
     assert np.all(taken[27:34] > 0.0)
     assert not taken[:24].any()  # 3 mm of reach, and 3 of smoothing
@@ -70,19 +70,19 @@ def test_relief_is_lowered_around_what_is_overloaded_and_nowhere_else():
 
 
 def test_the_more_overloaded_the_more_is_taken_but_never_all():
-    slightly, plainly, wildly = (lowering(peak(30, height=height), NEAR)[30] for height in (0.9, 1.0, 50.0))
+    slightly, plainly, wildly = (lowered_share(peak(30, height=height), NEAR)[30] for height in (0.9, 1.0, 50.0))
     assert 0.0 < slightly < plainly < wildly <= MOST
 
 
 def test_where_no_vertex_is_overloaded_though_a_test_does_not_pass_the_highest_are_lowered():
-    taken = lowering(peak(30, height=0.5), NEAR)
+    taken = lowered_share(peak(30, height=0.5), NEAR)
     assert taken[30] > 0.0
     assert not taken[:24].any()
 
 
 @pytest.mark.parametrize("share", [0.0, 1e-3, 0.4])
 def test_a_part_without_any_stress_loses_little(share):
-    assert lowering(np.full(COUNT, share, np.float32), NEAR).max() <= 0.11 * share * 2.5 + 1e-6
+    assert lowered_share(np.full(COUNT, share, np.float32), NEAR).max() <= 0.11 * share * 2.5 + 1e-6
 
 
 # --- the search -----------------------------------------------------------------------------------------------------
@@ -239,7 +239,7 @@ def test_all_that_was_held_back_is_given_back_at_once_if_the_part_holds_with_it(
 def test_what_lowering_leaves_of_it_is_given_back_where_it_fails():
     tested, found = search(lambda share: share[30] < 0.7, lambda _: peak(30), begun=HELD_BACK)
     assert np.array_equal(tested[1], WHOLE_RELIEF)
-    assert np.array_equal(tested[2] < 1.0, lowering(peak(30), NEAR) > 0.0)
+    assert np.array_equal(tested[2] < 1.0, lowered_share(peak(30), NEAR) > 0.0)
     assert found.sure.mean() > 0.9
 
 

@@ -11,8 +11,17 @@ import numpy as np
 import pytest
 
 from mechstyle.errors import BadInput
-from mechstyle.loop.engine import STEP_LIMIT, Engine, kept
-from mechstyle.loop.events import Checkpointed, Corrected, Finished, Simulated, SimulationStarted, Stylized
+from mechstyle.loop.engine import (
+    STEP_LIMIT,
+    Checkpointed,
+    Corrected,
+    Engine,
+    Finished,
+    Simulated,
+    SimulationStarted,
+    Stylized,
+    retained_share,
+)
 from mechstyle.loop.store import Lane
 from mechstyle.records import Doubt, LoadResult, Simulation
 from support.bench import BumpStylizer, LeverSimulator, LooseBase
@@ -96,7 +105,8 @@ def test_freestyle_follows_the_proposal_exactly(bench):
     engine = bench.engine(bench.recipe(control="none", schedule="never", guarantee=False))
     last = states(engine.run())[-1]
     assert np.allclose(last.displacement, engine.stylizer.proposal().displacement, rtol=1e-5)  # float32 sums of 60 increments
-    assert kept(last.displacement, engine.stylizer.proposal().displacement, engine.surface.vertex_areas) == pytest.approx(1.0, rel=1e-5)
+    wanted = engine.stylizer.proposal().displacement
+    assert retained_share(last.displacement, wanted, engine.surface.vertex_areas) == pytest.approx(1.0, rel=1e-5)
 
 
 def test_one_relief_of_one_style_is_kept_by_one_share_whether_a_mask_or_the_mesh_held_the_rest_back(bench, tmp_path, monkeypatch):

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from mechstyle.loop.events import Checkpointed, Simulated
+from mechstyle.loop.engine import Checkpointed, Simulated
 from mechstyle.loop.store import Lane, Store
 from support import ROOT
 

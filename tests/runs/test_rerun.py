@@ -53,7 +53,7 @@ def test_a_run_that_goes_on_on_another_machine_keeps_the_tetrahedra_it_was_compa
     monkeypatch.setattr("mechstyle.geometry.remeshing.filling.tetwild", no_meshing)
     run = Run(block.store, "main")
     simulator = run.simulator(run.recipe)
-    again = simulator.simulate(simulator.surface.vertices[:, 0].astype("f4") * 0, thorough=True)
+    again = simulator.simulate(simulator.part.surface.vertices[:, 0].astype("f4") * 0, thorough=True)
     assert again.landings == run.simulation(0).landings
 
 

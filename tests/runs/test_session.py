@@ -6,7 +6,7 @@ import threading
 
 import pytest
 
-from mechstyle.loop.events import Checkpointed, Finished, Simulated, Stylized
+from mechstyle.loop.engine import Checkpointed, Finished, Simulated, Stylized
 from mechstyle.runs.session import Session
 
 PATIENCE = 30.0  # seconds before a test gives up; nothing waits this long

@@ -6,9 +6,9 @@ import pytest
 
 from mechstyle.errors import BadInput, MissingPiece
 from mechstyle.geometry.remeshing.evening import even, surface_of
-from mechstyle.loop.engine import kept
-from mechstyle.records.chapters import SIDES
+from mechstyle.loop.engine import retained_share
 from mechstyle.records.mesh import TetMesh
+from mechstyle.records.recipe import SIDES
 from mechstyle.runs.recipes import changed, plan
 from mechstyle.runs.stylizers import drawing_of, finished_relief, stylizer_for
 from mechstyle.simulation.part import Shape, Workpiece, bounds_for
@@ -260,7 +260,7 @@ def test_the_plain_inside_of_a_container_is_no_part_of_the_style(mug):
     plain = bounds_for(cup, recipe)[0].plain
     assert not stylizer.proposal().displacement[plain].any()
     assert np.ptp(stylizer.proposal().colour[plain]) == 0.0
-    assert kept(grown, stylizer.proposal().displacement, mug.surface.vertex_areas) > 0.97
+    assert retained_share(grown, stylizer.proposal().displacement, mug.surface.vertex_areas) > 0.97
 
 
 def test_the_inside_of_a_container_is_styled_where_the_prompt_says_so(mug, part):

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import pytest
 
 from mechstyle.errors import SimulationFailed
 from mechstyle.records.simulation import LEAST_CARRIED
 from mechstyle.simulation import meshes
-from mechstyle.simulation.body import Followed
-from mechstyle.simulation.meshes import carrying
+from mechstyle.simulation.meshes import Followed
+from mechstyle.simulation.part import carrying
 from support.dropped_block import ripples, simulator
 
 
@@ -49,7 +47,7 @@ def test_a_part_that_cannot_be_meshed_again_is_judged_as_it_is_and_says_so(block
 def test_a_run_on_tets_made_for_its_relief_needs_no_others(block, memo):
     surface = block[0]
     tets, at = carrying(surface, ripples(block))
-    sim = replace(simulator((surface, tets), memo, orientations=1), at=at)
+    sim = simulator((surface, tets), memo, at=at, orientations=1)
     result = sim.simulate(ripples(block), thorough=True)
     assert (result.meshing, result.mesh) == ("morphed", tets.digest)
     assert min(result.carried, result.carried_base) >= LEAST_CARRIED

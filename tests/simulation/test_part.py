@@ -7,11 +7,11 @@ import pytest
 import trimesh
 
 from mechstyle.errors import BadInput, SimulationFailed
-from mechstyle.loop.bounds import unrestrained
+from mechstyle.loop.bounds import unrestrained_relief
 from mechstyle.records import Recipe
-from mechstyle.records.chapters import BASES
 from mechstyle.records.material import LIBRARY
 from mechstyle.records.mesh import SurfaceMesh
+from mechstyle.records.recipe import BASES
 from mechstyle.simulation import part as module
 from mechstyle.simulation.part import prepare
 
@@ -81,7 +81,7 @@ def test_a_plain_base_is_not_free_and_all_above_it_is(ready):
 def test_a_style_on_a_plain_base_leaves_what_it_stands_on_as_it_is(ready):
     part, recipe = ready[0], Recipe.of(prompt="brick", material=LIBRARY["PLA"])
     wild = np.random.default_rng(0).normal(0.0, 3.0, len(part.thickness)).astype(np.float32)
-    relief = unrestrained(wild, part.shape.bounds("plain", 0.8), recipe)
+    relief = unrestrained_relief(wild, part.shape.bounds("plain", 0.8), recipe)
     assert np.all(relief[part.shape.level_base.standing] == 0.0)
     assert np.abs(relief[~part.shape.level_base.standing]).max() > 1.0
 

@@ -13,13 +13,14 @@ from mechstyle.fea.stressed_volume import at_nodes, exceeded
 from mechstyle.geometry.level_base import LevelBase
 from mechstyle.geometry.morph import Morph
 from mechstyle.geometry.remeshing.filling import fill
+from mechstyle.geometry.thickness import local_thickness
 from mechstyle.loop.objects import Memo, Objects
 from mechstyle.records.material import LIBRARY
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.records.simulation import GREATEST_HEIGHT, LEAST_CARRIED, LEAST_HEIGHT, VOLUME_ERROR
 from mechstyle.simulation import simulator as module
-from mechstyle.simulation.body import SAME_PART, Body, Skin
-from mechstyle.simulation.meshes import AGAIN, carrying
+from mechstyle.simulation.meshes import AGAIN, SAME_PART, Body
+from mechstyle.simulation.part import Shape, carrying
 from mechstyle.simulation.simulator import LIKELY_EXPONENT, exponent_of, harder
 from support import records
 from support.dropped_block import bumps, ripples, simulator, slopes
@@ -220,7 +221,7 @@ def test_a_lower_gap_under_a_part_carries_no_more_but_standing_on_more_does(memo
     gap = np.where(standing & (middle > 3.0), -0.3, 0.0).astype(np.float32)
     half = np.float32(0.5) * gap
     tets = fill(surface.displaced(half), 1500, keep=surface.displaced(2.0 * gap))
-    sim = replace(simulator((surface, tets), memo), at=half)
+    sim = simulator((surface, tets), memo, at=half)
     gaps = (gap, np.float32(0.5) * gap, np.where(middle < 8.0, np.float32(0.0), gap))
     whole, lower, wider = (sim.simulate(displacement, thorough=False) for displacement in gaps)
     assert lower.flat.stress > 0.85 * whole.flat.stress
@@ -284,13 +285,13 @@ def test_tets_that_keep_a_notch_of_the_relief_are_not_asked_about_the_plain_part
     """The unsafe side: what a notch on the way back reads of the plain part would excuse any style."""
     relief = ripples(block)
     tets, at = carrying(block[0], relief)
-    body = Body(Skin(block[0], 0.4), tets, at=at)
+    body = Body(Shape(block[0], local_thickness(block[0])), tets, 0.4, at=at)
     assert body.made_for_relief
     real = Morph.morphed
 
     def stuck(self, displacement):
         found = real(self, displacement)
-        return replace(found, followed=np.full_like(found.followed, left * body.skin.walls.thickness.min()))
+        return replace(found, followed=np.full_like(found.followed, left * body.shape.walls.thickness.min()))
 
     monkeypatch.setattr(Morph, "morphed", stuck)
     assert body.is_the_plain_part == asked

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mechstyle.errors import BadInput, SimulationFailed
-from mechstyle.fea.statics.load_test import StaticTest
+from mechstyle.fea.statics import StaticTest
 from mechstyle.fea.stressed_volume import at_nodes, exceeded
 from mechstyle.records.load_cases import Load, LoadCase, Patch, Support
 from mechstyle.records.material import LIBRARY

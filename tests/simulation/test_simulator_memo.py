@@ -55,7 +55,7 @@ def test_the_baseline_is_shared_between_runs(block, memo, tmp_path, drops):
 
 def forged(sim):
     """The baseline made ten times as strong as it is, as a stranger could have written it into a run folder."""
-    honest = sim.simulate(np.zeros(len(sim.surface.vertices), np.float32), thorough=True)
+    honest = sim.simulate(np.zeros(len(sim.part.surface.vertices), np.float32), thorough=True)
     flat, *others = honest.landings
     return replace(honest, landings=(msgspec.structs.replace(flat, stress=0.1 * flat.stress), *others))
 
@@ -92,7 +92,7 @@ def test_what_is_remembered_for_others_bears_the_name_of_the_tetrahedra_it_is_of
     """The unsafe side: sturdy tetrahedra under a name that an honest run asks for."""
     users = Memo(tmp_path / "users", Objects(tmp_path / "users-objects"))
     sim = simulator(block, memo)
-    claimed = replace(sim, shared=users, tets=block[1].moved(block[1].vertices * (1.0, 1.0, 2.0)))
+    claimed = replace(sim, shared=users, part=replace(sim.part, tets=block[1].moved(block[1].vertices * (1.0, 1.0, 2.0))))
     assert claimed.baseline.mesh != block[1].digest
     honest = replace(simulator(block, Memo(tmp_path / "own", memo.objects)), shared=users).baseline
     assert honest.mesh == block[1].digest

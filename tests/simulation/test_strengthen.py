@@ -26,8 +26,8 @@ class Bent:
 
     load = 1.5
 
-    def __init__(self, surface, *_, **__):
-        self.surface = surface
+    def __init__(self, part, *_, **__):
+        self.surface = part.surface
 
     def simulate(self, displacement, **_):
         along = self.surface.vertices[:, 0] / np.ptp(self.surface.vertices[:, 0])
@@ -128,9 +128,9 @@ def test_whoever_no_longer_waits_ends_it_in_a_drop_as_before_one(monkeypatch, pa
     asked = []
 
     class Asking(Bent):
-        def __init__(self, surface, *given, **more):
-            super().__init__(surface, *given, **more)
-            self.progress = given[5]
+        def __init__(self, part, *given, **more):
+            super().__init__(part, *given, **more)
+            self.progress = given[4]
 
         def simulate(self, displacement, **how):
             self.progress(0.5)

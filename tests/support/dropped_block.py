@@ -7,16 +7,19 @@ import numpy as np
 from mechstyle.fea.discretisation import discretise
 from mechstyle.fea.drop import DropTest
 from mechstyle.fea.elements import LINEAR
+from mechstyle.geometry.thickness import local_thickness
 from mechstyle.records import Recipe
 from mechstyle.records.material import LIBRARY
+from mechstyle.simulation.part import Workpiece
 from mechstyle.simulation.simulator import DropSimulator
 
 
-def simulator(block, memo, **settings) -> DropSimulator:
+def simulator(block, memo, at=None, **settings) -> DropSimulator:
     surface, tets = block
+    part = Workpiece(surface, tets, local_thickness(surface).astype(np.float32), stands=True, at=at)
     chosen = {"material": LIBRARY["PLA"], "orientations": 2, "nearly_flat": False, "window": 0.1, **settings}
     recipe = Recipe.of(surface=surface.digest, tetrahedra=tets.digest, prompt="", **chosen)
-    return DropSimulator(surface, tets, recipe, memo)
+    return DropSimulator(part, recipe, memo)
 
 
 def discretised(block):

@@ -9,6 +9,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import trimesh
 from PIL import Image
 
 from mechstyle.runs.run import Run
@@ -93,6 +94,18 @@ def test_once_another_run_is_asked_for_everything_of_the_last_one_is_called_that
     assert (studio.state.another, studio.take_away.main.description) == (False, "3MF")
     assert isinstance(studio.viewer, RunViewer)
     assert studio.run_controls._back.layout.display == "none"
+
+
+@pytest.mark.parametrize("protect", [(), ("below 1",)])
+def test_what_stands_in_the_view_is_what_is_taken_away_whatever_is_hatched(studio, tmp_path, protect):
+    """A hatching, be it of nothing, put a coarse mesh in the place of the surface that is delivered."""
+    studio.regions_picker.protect = protect
+    assert isinstance(studio.viewer, RunViewer)
+    assert studio.viewer.protected.any() == bool(protect)
+    shown = [scene.part for scene in studio.viewer._scenes]
+    taken = trimesh.load(studio.run.export(tmp_path / "part.ply"), process=False).vertices
+    assert [part.visible for part in shown] == [True]
+    np.testing.assert_allclose(shown[0].geometry.attributes["position"].array, taken, atol=1e-4)
 
 
 def test_another_style_stands_on_the_part_until_the_last_run_is_looked_at(studio):

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from mechstyle.errors import BadInput
-from mechstyle.loop.events import Checkpointed
+from mechstyle.loop.engine import Checkpointed
 from mechstyle.pictures.fields import MOMENT
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.runs.run import Run

@@ -5,11 +5,13 @@ import pytest
 
 from mechstyle.errors import BadInput
 from mechstyle.records.load_cases import Load, LoadCase, Support
+from mechstyle.records.regions import regions
 from mechstyle.runs.recipes import draft
 from mechstyle.runs.run import Run
 from mechstyle.runs.stylizers import FinishedStyle
 from mechstyle.simulation.part import Shape
-from mechstyle_widgets.state.preview import Preview
+from mechstyle_widgets.jupyter.cell_output import OncePerCell
+from mechstyle_widgets.state.preview import Preview, Previewer
 from mechstyle_widgets.studio import Studio
 from mechstyle_widgets.viewer.run_viewer import RunViewer
 from support.models import alive
@@ -169,6 +171,75 @@ def test_a_preview_is_shown_on_the_part_with_what_stays_plain_until_it_cannot_be
     assert viewer.badge.layout.display == "none"
     studio._not_drawn("ask for 500 vertices")
     assert "ask for 500 vertices" in viewer.badge._words.value
+
+
+def test_what_is_hatched_is_what_is_painted_now_and_all_else_that_the_last_preview_knew():
+    """A click took the hatching from the underside until the next preview, and the preview of before it brought back what it had taken."""
+    studio = Studio("gallery:wall_hook")
+    surface = studio.part_picker.mesh
+    top, count = surface.vertices[:, 2].argmax(), len(surface.vertices)
+    ball = f"sphere {' '.join(map(str, surface.vertices[top]))} 4"
+    painted = np.linalg.norm(surface.vertices - surface.vertices[top], axis=1) < 4.0
+    base = surface.vertices[:, 2] < 1.0
+    assert painted.any()
+    assert base.any()
+
+    def preview(spared, *protect):
+        style = FinishedStyle(np.zeros(count, np.float32), np.full((count, 3), 0.2), spared, ())
+        return Preview(Shape(surface, np.full(count, 8.0, np.float32)), style, 0.4, regions(list(protect)))
+
+    studio._arrived(preview(base))
+    studio.regions_picker.protect = [ball]
+    np.testing.assert_array_equal(studio._viewer.protected, base | painted)
+    studio._arrived(preview(base | painted, ball))
+    np.testing.assert_array_equal(studio._viewer.protected, base | painted)
+    studio.regions_picker.protect = []
+    np.testing.assert_array_equal(studio._viewer.protected, base)
+    studio._arrived(preview(base | painted, ball))  # asked for before that
+    np.testing.assert_array_equal(studio._viewer.protected, base)
+
+
+@pytest.mark.parametrize("how", ["drawn", "only running tells", "refused"])
+def test_the_plain_part_is_pictured_only_where_no_style_is_to_come(monkeypatch, how):
+    """Its picture took a second of what the style needs, to be taken away by that of the style."""
+    pictured = []
+    monkeypatch.setattr(OncePerCell, "renew_still", lambda studio: pictured.append(studio._viewer.original is not None))
+    studio = Studio("gallery:wall_hook")
+    surface = studio.part_picker.mesh
+    count = len(surface.vertices)
+    studio.renew_still()
+    assert pictured.pop() is False, "without an event loop nothing is to come"
+    studio.previewer._wish = "a style"
+    studio.renew_still()
+    assert pictured == []
+    style = FinishedStyle(np.zeros(count, np.float32), np.full((count, 3), 0.2), np.zeros(count, bool), ()) if how == "drawn" else None
+    for _ in range(2):
+        if how == "refused":
+            studio._not_drawn("ask for 500 vertices")
+        else:
+            studio._arrived(Preview(Shape(surface, np.full(count, 8.0, np.float32)), style, 0.4))
+    assert pictured == [how == "drawn"], "the first alone"
+    studio.renew_still()
+    assert len(pictured) == 2
+
+
+def test_a_preview_that_cannot_be_shown_is_said():
+    """The event loop kept the error to its log."""
+    studio = Studio("gallery:wall_hook")
+    surface = studio.part_picker.mesh
+    style = FinishedStyle(np.zeros(3, np.float32), np.zeros((3, 3)), np.zeros(len(surface.vertices), bool), ())
+    studio.previewer._arrived(Preview(Shape(surface, np.full(len(surface.vertices), 8.0, np.float32)), style, 0.1))  # of another part
+    assert "This did not work, by an unexpected" in studio.state.message
+    assert studio.state.alarming
+
+
+def test_a_part_whose_style_is_on_its_way_says_so(monkeypatch):
+    """It stood there plain for fifteen seconds without any sign."""
+    monkeypatch.setattr(Previewer, "ask", lambda *_: True)
+    studio = Studio("gallery:wall_hook")
+    assert "The style is being drawn on the part" in studio.viewer.badge._words.value
+    studio.part_picker._gallery.press("vase")
+    assert "The style is being drawn on the part" in studio.viewer.badge._words.value
 
 
 def test_walls_too_thin_are_said_with_the_part_as_soon_as_a_preview_has_measured_them():

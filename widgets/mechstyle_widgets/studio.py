@@ -11,7 +11,9 @@ from pathlib import Path
 from typing import Any
 
 import ipywidgets
+import numpy as np
 import traitlets
+from numpy.typing import NDArray
 
 from mechstyle.errors import BadInput, MechStyleError
 from mechstyle.gallery import PREFIX
@@ -85,6 +87,8 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
     _timeline: Timeline | None = None
     _undo: Undo | None = None
     _pictured = False
+    _spared: tuple[SurfaceMesh, NDArray[np.bool_]] | None = None
+    """What the last preview left as it is, but for what was painted or written: of its surface, shape [vertex_count]."""
 
     @sharing()
     def __init__(
@@ -119,7 +123,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self.frame, self._size = Frame(), SIZE
         traitlets.link((self.frame, "calm"), (self.state, "calm"))
         self.take_away = TakeAway(self.state, self.frame)
-        self.previewer = Previewer(self._arrived, self._not_drawn)
+        self.previewer = Previewer(self._heard(self._arrived), self._heard(self._not_drawn))
         self._middle, self._asked = stacked([], "mechstyle-view"), stacked([], "mechstyle-asked")
         self.theme = theme
         self._timeline = Timeline(self.state, theme=self.shown_theme, width=SIZE[0])
@@ -163,6 +167,11 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
     def still(self) -> Callable[[], bytes] | None:
         """What draws the view under its badge."""
         return None if self._viewer is None else self._viewer.still(self._caption)
+
+    def renew_still(self) -> None:
+        """Let the notebook have a picture of what is shown now, unless a style is on its way that will take its place."""
+        if self._pictured or not self.previewer.awaited or not isinstance(self._viewer, PartViewer):
+            super().renew_still()
 
     @property
     def _caption(self) -> str:
@@ -514,26 +523,33 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         viewer = self._viewer
         if not isinstance(viewer, PartViewer):
             return
+        surface, style = preview.shape.surface, preview.style
         self.part_picker.remark(preview.shape.too_thin(self.drop_options.minimum_wall))
-        if viewer.at_rest is not preview.shape.surface:
-            finer = self._made(PartViewer, preview.shape.surface)
+        self._spared = None if style is None else (surface, style.spared & ~covered(preview.protect, surface))
+        if viewer.at_rest is not surface:
+            finer = self._made(PartViewer, surface)
             finer.look_from(viewer)
             self._show(finer)
             viewer = finer
-        if preview.style is None:
+        if style is None:
             viewer.take_off("Only running it tells what this comes to")
-            return
-        drawn = "at once" if preview.seconds < 0.05 else f"in {preview.seconds:.1f} s"
-        viewer.put_on(preview.surface, f"Changes as you choose · drawn {drawn}")
-        viewer.protected = preview.style.spared
-        if not self._pictured:  # the first alone: drawing another for each would take time from the next
-            self._pictured = True
-            self.renew_still()
+        else:
+            drawn = "at once" if preview.seconds < 0.05 else f"in {preview.seconds:.1f} s"
+            viewer.put_on(preview.surface, f"Changes as you choose · drawn {drawn}")
+        self._hatch()
+        self._picture_first()
 
     def _not_drawn(self, why: str) -> None:
         """A style cannot be drawn on this part."""
         if isinstance(self._viewer, PartViewer):
             self._viewer.take_off(why)
+            self._picture_first()
+
+    def _picture_first(self) -> None:
+        """Let the notebook have a picture of the first preview alone: drawing another for each would take time from the next."""
+        if not self._pictured:
+            self._pictured = True
+            self.renew_still()
 
     def _rested(self, _change: object) -> None:
         """What has come of a run is what its notebook is to show."""
@@ -541,12 +557,14 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
             self.renew_still()
 
     def _hatch(self, _change: object = None) -> None:
-        """Show on the part what is painted or written as a protected region."""
+        """Show on the part what is painted or written as a protected region now, and what else the last preview left as it is."""
         viewer, picker = self._viewer, self.regions_picker
         if viewer is None:
             return
+        surface, spared = self._spared or (None, None)
         try:
-            viewer.protected = covered(picker.protect, viewer.at_rest)
+            painted = covered(picker.protect, viewer.at_rest)
+            viewer.protected = painted if spared is None or surface is not viewer.at_rest else painted | spared
         except BadInput as error:
             viewer.protected = None
             picker.complain(str(error))

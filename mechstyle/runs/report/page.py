@@ -14,12 +14,12 @@ import msgspec
 from mechstyle._files import write_whole
 from mechstyle.errors import BadInput
 from mechstyle.fea.stressed_volume import DROPPED, LOADED
-from mechstyle.loop.history import Row, Step, largest_mask_change, standing, steps
+from mechstyle.loop.history import Row, Step, largest_mask_change, rows, standing, steps
+from mechstyle.pictures.panels import Picture, picture
 from mechstyle.records import Recipe, Verdict, sentences
 from mechstyle.records.landings import STANDARDS
 from mechstyle.records.material import SPREAD, Material
 from mechstyle.records.recipe import described
-from mechstyle.runs.report.impact_data import impacts, work_out
 from mechstyle.runs.report.markup import (
     IN_A_REPORT,
     Markup,
@@ -35,11 +35,10 @@ from mechstyle.runs.report.markup import (
     table,
     with_code,
 )
-from mechstyle.runs.report.replay_data import ReplayData, replay_data
+from mechstyle.runs.report.replay_data import ReplayData, impacts, replay_data, work_out
 from mechstyle.runs.report.reproduce import command_for
 from mechstyle.runs.report.result import result_element
 from mechstyle.runs.report.run_protocol import LaneOfRun, begun
-from mechstyle.runs.report.static_view import still
 from mechstyle.runs.report.timeline import timeline
 
 LIMITS = (
@@ -311,3 +310,56 @@ def _versions(run: LaneOfRun) -> Markup:
     if run.finished:
         rows.insert(3, ("simulated on", run.summary.device))
     return table(("of", "value"), rows, "Digests and versions")
+
+
+def mimebundle(run: LaneOfRun) -> dict[str, str]:
+    """The forms a notebook chooses from; text only before the first checkpoint."""
+    history = rows(run.store, run.lane)
+    if not history:
+        return {"text/plain": repr(run)}
+    tests = steps(run.store, history)
+    words = standing(history)[1].words
+    return {"text/plain": as_text(run, tests, words), "text/html": as_html(run, tests, words)}
+
+
+def as_text(run: LaneOfRun, tests: Sequence[Step], words: str) -> str:
+    """The run, its verdict in words and its simulations, a line each."""
+    lines = [f"{step.iteration:>5}  {_outcome(step):<19}  {_stress(step)}  {step.reason}" for step in tests]
+    return "\n".join([repr(run), words, *lines])
+
+
+def as_html(run: LaneOfRun, tests: Sequence[Step], words: str) -> str:
+    """The same as a table under a picture; no style sheet and no script, which such places strip."""
+    lines = [(step.iteration, step.reason, _outcome(step), _stress(step), f"{step.share:.0%}") for step in tests]
+    return fill(
+        "<p><strong>{name}</strong> as “{prompt}”</p>{picture}<p>{words}</p>{rows}",
+        name=run.record.name, prompt=run.recipe.style.prompt, picture=still(run), words=words,
+        rows=table(("iteration", "why it was simulated", "outcome", "stress", "held back"), lines, "Simulations"),
+    )  # fmt: skip
+
+
+def still(run: LaneOfRun) -> Markup:
+    """The plain part, then styled, stressed and restrained, as images that carry their own bytes."""
+    from mechstyle.pictures.figure import Panel  # noqa: PLC0415 — matplotlib is loaded when a picture is wanted
+
+    return joined(
+        [
+            _image(picture([Panel(run.part.surface, "plain part")]), "The plain part"),
+            _image(run.show(), f"The part as {run.recipe.style.prompt}, its stress and its restraint"),
+        ]
+    )
+
+
+def _image(shown: Picture, words: str) -> Markup:
+    data = Markup(base64.b64encode(shown.png).decode("ascii"))
+    return fill('<img src="data:image/png;base64,{data}" alt="{words}">', data=data, words=words)
+
+
+def _outcome(step: Step) -> str:
+    return sentences.marked(step.outcome, sure=step.verdict.sure)
+
+
+def _stress(step: Step) -> str:
+    """The test that decides, its stress and its limit; a dash without an answer."""
+    decides = step.verdict.deciding
+    return "–" if decides is None else sentences.figures(decides)

@@ -70,7 +70,10 @@ def ticks(top: float, about: int) -> Iterator[float]:
 
 def _free_place(limit: float, line: Sequence[tuple[float, float]], marks: Sequence[tuple[float, float]]) -> tuple[int, float]:
     """Where the name of a limit ends and stands: as far to the right as neither line nor marks are in its way, else where most is free."""
-    drawn = [(x, y, REACH) for x, y in marks] + [(x, y, 0.0) for x, y in _along(line)]
+    drawn = [(x, y, REACH) for x, y in marks]
+    for (x, y), (right, down) in itertools.pairwise(line):  # and places on the line, a few units apart
+        count = 1 + int(math.hypot(right - x, down - y) / 3)
+        drawn += [(x + (right - x) * k / count, y + (down - y) * k / count, 0.0) for k in range(count + 1)]
     best, most = (RIGHT - 10, limit + OVER), -math.inf
     for right in range(RIGHT - 10, LEFT + 10 + NAME[0], -10):
         for base in (limit + OVER, limit + UNDER):
@@ -80,13 +83,6 @@ def _free_place(limit: float, line: Sequence[tuple[float, float]], marks: Sequen
             if most >= ROOM:
                 return best
     return best
-
-
-def _along(line: Sequence[tuple[float, float]]) -> Iterator[tuple[float, float]]:
-    """Places on a line, a few units apart."""
-    for (x, y), (right, down) in itertools.pairwise(line):
-        count = 1 + int(math.hypot(right - x, down - y) / 3)
-        yield from ((x + (right - x) * k / count, y + (down - y) * k / count) for k in range(count + 1))
 
 
 def _distance(x: float, y: float, right: float, base: float) -> float:

@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike
 from mechstyle.fea.discretisation import discretise
 from mechstyle.fea.drop import DropTest, drop
 from mechstyle.fea.elements import QUADRATIC
-from mechstyle.fea.period import lowest_period
-from mechstyle.fea.statics.load_test import StaticTest
+from mechstyle.fea.linear_solvers import lowest_period
+from mechstyle.fea.statics import StaticTest
 from mechstyle.fea.stressed_volume import DROPPED, LOADED, Walls, at_nodes, exceeded
 from mechstyle.geometry.morph import Morph
 from mechstyle.geometry.thickness import local_thickness

@@ -21,7 +21,7 @@ from mechstyle.geometry.remeshing import fill
 from mechstyle.records import Landing, Recipe, Simulation, Verdict, judge
 from mechstyle.records.mesh import Floats, SurfaceMesh, TetMesh
 from mechstyle.simulation.part import prepare
-from mechstyle.simulation.validation import second_impacts
+from mechstyle.simulation.validation import falls
 from mechstyle.simulation.validation.cases import Result, bounded, compared
 from mechstyle.simulation.validation.meshes import ball, box, bracket, cup, refined, roller
 from mechstyle.simulation.validation.reading import PLA, Body, Styled, period_of_body, styled_cup
@@ -84,12 +84,12 @@ def numerics() -> Iterator[Result]:
 
 def numerics_of_a_bar() -> Iterator[Result]:
     """The same of a bar that lands again in four of six tilts."""
-    body, ways = Body(second_impacts.BAR), second_impacts.tilted_ways()
+    body, ways = Body(falls.BAR), falls.tilted_ways()
     period = period_of_body(body.tets)
     usual = body.dropped(USUAL, ways, period)
     for name, longer, step in (("twice as long", 2.0, 1.0), ("half the step", 1.0, 0.5)):
         other = body.dropped(replace(USUAL, safety=step * USUAL.safety), ways, longer * period)
-        for tilt, one, before in zip(second_impacts.TILTS, other, usual, strict=True):
+        for tilt, one, before in zip(falls.TILTS, other, usual, strict=True):
             note = f"{one.stress:.2f} instead of {before.stress:.2f} MPa"
             error = abs(one.stress / before.stress - 1.0)
             yield bounded(f"numerics_bar: {name}, tilted {tilt:g}°", error, NEARLY if tilt > 10.0 else FLAT, note)
@@ -99,7 +99,7 @@ def turned() -> Iterator[Result]:
     """An angle bracket as it is, turned about z and mirrored, each prepared from its surface on."""
     model = bracket(30.0, 14.0, 5.0, 1.0).boundary
     ways = {"as it is": np.eye(3), "turned 17°": about_z(17.0), "turned 51°": about_z(51.0), "mirrored": np.diag([-1.0, 1.0, 1.0])}
-    found = [dropped_anew(moved(model, way), TURNED_VERTICES) for way in ways.values()]
+    found = [dropped_anew(transformed(model, way), TURNED_VERTICES) for way in ways.values()]
     yield from spread("turned: bracket", found)
 
 
@@ -109,7 +109,7 @@ def dropped_anew(surface: SurfaceMesh, vertices: int) -> Simulation:
     return landed(part.tets, period_of_body(part.tets), part.surface, walls=Walls(part.surface.vertices, part.thickness))
 
 
-def moved(surface: SurfaceMesh, turn: Floats) -> SurfaceMesh:
+def transformed(surface: SurfaceMesh, turn: Floats) -> SurfaceMesh:
     """A surface turned, or mirrored, by a matrix of shape [3, 3]."""
     faces = surface.faces if np.linalg.det(turn) > 0.0 else surface.faces[:, [0, 2, 1]]
     return SurfaceMesh(surface.vertices @ np.asarray(turn).T, faces)

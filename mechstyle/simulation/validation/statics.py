@@ -105,11 +105,20 @@ def _bent_plate(counts: tuple[int, int, int], material: Material) -> BentPlate:
     mesh = with_nodes(box(counts, (LENGTH, WIDTH, THICKNESS)), QUADRATIC)
     fixed, tip = mesh.nodes[:, 0] < 1e-9, mesh.nodes[:, 0] > LENGTH - 1e-9
     u = solved(mesh, material, fixed, _edge_load(mesh, 1.0))
-    x, stress = _surface_stress(mesh, material, u)
+    L = np.full((4, 4), (1.0 - 1.0 / np.sqrt(5.0)) / 4.0) + np.eye(4) / np.sqrt(5.0)
+    points = np.einsum("qk,nkx->nqx", L, mesh.tets.vertices[mesh.tets.tets])
+    height = points[..., 2] - 0.5 * THICKNESS
+    stress = -linear_stress(mesh, material, u)[..., 0, 0] * 0.5 * THICKNESS / height
+    far = np.abs(height) > 0.25 * THICKNESS
+    x, stress = points[..., 0][far], stress[far]
     middle = (x > 0.25 * LENGTH) & (x < 0.75 * LENGTH)
     theory = (LENGTH - x) * 0.5 * THICKNESS / (WIDTH * THICKNESS**3 / 12.0)
     ratio = float(np.sqrt((stress[middle] ** 2).sum() / (theory[middle] ** 2).sum()))
-    return BentPlate(float(u[tip, 2].mean()), _first_frequency(mesh, material, fixed), ratio)
+    free = np.repeat(~fixed, 3)
+    K = elasticity.stiffness_matrix(mesh, material)[free][:, free].tocsc()
+    masses = np.repeat(elasticity.lumped_masses(mesh, material.density * mesh.tets.volumes), 3)[free]
+    lowest = eigsh(K, k=1, M=sparse.diags_array(masses).tocsc(), sigma=0.0, return_eigenvectors=False)
+    return BentPlate(float(u[tip, 2].mean()), float(np.sqrt(lowest[0])), ratio)
 
 
 def cantilever() -> Iterator[Result]:
@@ -148,15 +157,6 @@ def _distance(one: Floats, other: Floats) -> float:
     return float(np.abs(one - other).max() / np.abs(other).max())
 
 
-def _first_frequency(mesh: ElementMesh, material: Material, fixed: NDArray[np.bool_]) -> float:
-    """Lowest eigenfrequency with the lumped masses of the drop [rad/ms]."""
-    free = np.repeat(~fixed, 3)
-    K = elasticity.stiffness_matrix(mesh, material)[free][:, free].tocsc()
-    masses = np.repeat(elasticity.lumped_masses(mesh, material.density * mesh.tets.volumes), 3)[free]
-    lowest = eigsh(K, k=1, M=sparse.diags_array(masses).tocsc(), sigma=0.0, return_eigenvectors=False)
-    return float(np.sqrt(lowest[0]))
-
-
 def _edge_load(mesh: ElementMesh, force: float) -> Floats:
     """A shear force along z [N] spread over the end face x = LENGTH as a uniform traction."""
     forces = np.zeros_like(mesh.nodes)
@@ -169,16 +169,6 @@ def _edge_load(mesh: ElementMesh, force: float) -> Floats:
             area = 0.5 * np.linalg.norm(np.cross(corners[1] - corners[0], corners[2] - corners[0]))
             forces[middles, 2] += force * area / (WIDTH * THICKNESS) / 3.0  # a uniform traction acts on the middles only
     return forces
-
-
-def _surface_stress(mesh: ElementMesh, material: Material, u: Floats) -> tuple[Floats, Floats]:
-    """Place x [mm] and axial stress [MPa] at the Gauss points, the stress scaled from their height to the surface."""
-    L = np.full((4, 4), (1.0 - 1.0 / np.sqrt(5.0)) / 4.0) + np.eye(4) / np.sqrt(5.0)
-    points = np.einsum("qk,nkx->nqx", L, mesh.tets.vertices[mesh.tets.tets])
-    height = points[..., 2] - 0.5 * THICKNESS
-    stress = -linear_stress(mesh, material, u)[..., 0, 0] * 0.5 * THICKNESS / height
-    far = np.abs(height) > 0.25 * THICKNESS
-    return points[..., 0][far], stress[far]
 
 
 def _shaken() -> TetMesh:

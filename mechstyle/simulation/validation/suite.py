@@ -5,10 +5,11 @@ from __future__ import annotations
 import platform
 import re
 from collections.abc import Iterable, Iterator
+from functools import partial
 from pathlib import Path
 
 from mechstyle.fea.explicit import cores
-from mechstyle.simulation.validation import details, heights, impacts, repeatability, second_impacts, statics
+from mechstyle.simulation.validation import details, falls, impacts, repeatability, statics
 from mechstyle.simulation.validation.cases import Case, Result
 
 EDGE = (
@@ -45,12 +46,15 @@ CASES = {
         Case("cantilever", "A cantilever in CalculiX, C3D4 and C3D10", statics.cantilever),
         Case("bar", "Pressure under a bar that lands on its end: ρ c v", impacts.bar),
         Case("bar_calculix", "The stress wave in a bar in CalculiX's explicit dynamics", impacts.bar_calculix, slow=True),
-        Case("contact", "A bracket on its corner in CalculiX's explicit dynamics, one element thick", impacts.bracket_coarse, slow=True),
-        Case("contact_fine", "The same bracket in two layers", impacts.bracket_fine, slow=True),
+        Case(
+            "contact", "A bracket on its corner in CalculiX's explicit dynamics, one element thick",
+            partial(impacts.bracket_of_calculix, "contact", 4.0, 0.15), slow=True,
+        ),
+        Case("contact_fine", "The same bracket in two layers", partial(impacts.bracket_of_calculix, "contact_fine", 2.0, 0.1), slow=True),
         Case("sphere", "A ball on the floor: Hertz's contact", impacts.sphere, slow=True),
-        Case("second_bar", "A bar that lands again with its other end, six tilts", second_impacts.bar, slow=True),
-        Case("second_cup", "A cup that lands again with its rim", second_impacts.large_cup, slow=True),
-        Case("second_ring", "An open ring that lands again", second_impacts.ring, slow=True),
+        Case("second_bar", "A bar that lands again with its other end, six tilts", falls.bar, slow=True),
+        Case("second_cup", "A cup that lands again with its rim", falls.large_cup, slow=True),
+        Case("second_ring", "An open ring that lands again", falls.ring, slow=True),
         Case("energy", "Energy balance of undamped drops", impacts.energy),
         Case("precision", "Single against double precision over an impact", impacts.precision),
         Case("instructions", "Another processor's instructions against this one's", impacts.instructions),
@@ -58,8 +62,8 @@ CASES = {
         Case("point", "Contact at a point on finer meshes: a ball", repeatability.point, slow=True),
         Case("line", "Contact along a line on finer meshes: a round bar on its side", repeatability.line, slow=True),
         Case("plane", "Contact over a plane on finer meshes: a cube", repeatability.plane),
-        Case("heights_flat", "Critical height of a flat landing against drops from other heights", heights.flat),
-        Case("heights_nearly", "Critical height of a nearly flat landing against a drop from there", heights.nearly),
+        Case("heights_flat", "Critical height of a flat landing against drops from other heights", falls.flat_heights),
+        Case("heights_nearly", "Critical height of a nearly flat landing against a drop from there", falls.nearly_flat_heights),
         Case("finer", "A plain cup on a finer mesh", repeatability.finer, slow=True, fault=EDGE),
         Case("finer_styled", "A square cup in brick on a finer mesh", repeatability.finer_styled, slow=True),
         Case("turned", "An angle bracket, turned and mirrored, prepared anew", repeatability.turned, slow=True),

@@ -12,8 +12,11 @@ import numpy as np
 import pytest
 
 from mechstyle.errors import BadInput
+from mechstyle.runs.recipes import draft
 from mechstyle.runs.report.replay_data import replay_data
 from mechstyle.runs.run import Run
+from mechstyle.runs.stylizers import finished_style
+from mechstyle.simulation.part import Shape
 from mechstyle_widgets import jupyter
 from mechstyle_widgets.jupyter import frame
 from mechstyle_widgets.jupyter.closing import family
@@ -184,3 +187,13 @@ def test_there_is_an_entry_for_every_language_and_no_other_language():
     with pytest.raises(BadInput, match="unknown language 'fr'"):
         speak("fr")
     assert word("nobody's name") == "nobody's name"
+
+
+def test_what_is_known_of_a_drawing_is_german_too(cube):
+    """A note names the finest feature of a style, of which there are as many as styles."""
+    shape = Shape(cube, np.full(len(cube.vertices), 1.0, np.float32))
+    drawn = [finished_style(shape, draft(prompt, relief=relief)) for prompt in ("tiny brick", "knit") for relief in (None, 4.0)]
+    notes = {note for style in drawn for note in style.notes}
+    assert len(notes) > 2
+    speak("de")
+    assert {note: found for note in notes if (found := english_in(said(note)))} == {}

@@ -1,5 +1,8 @@
 """What a run will do, and what has come of it."""
 
+from html import escape
+from types import SimpleNamespace
+
 import msgspec
 import pytest
 
@@ -90,3 +93,16 @@ def test_what_a_part_weighs_stands_under_its_verdict_beside_the_plain_one(done, 
     assert sentences.weighed(1100.0 * density, 1000.0 * density) in Result(StudioState(done)).value
     assert sentences.weighed(41.6, 38.2) == "Printed solid it weighs 42 g, the plain part 38 g."
     assert sentences.weighed(1.36, 1.24) == "Printed solid it weighs 1.4 g, the plain part 1.2 g."
+
+
+def test_what_the_command_line_would_say_of_a_finished_lane_is_said_but_for_what_the_badge_says(done, monkeypatch):
+    notes = ("the relief was lowered on 3% of the surface, where it would have folded over itself", "a note of <mine>")
+    summary = SimpleNamespace(kept=0.33, notes=(*notes, sentences.little_left(0.33, "auto")))
+    state = StudioState(done)
+    assert "<details" not in Result(state).value
+    monkeypatch.setattr(type(done), "summary", property(lambda _run: summary))
+    result = Result(state)
+    assert all(f"<li>{escape(note)}</li>" in result.value for note in notes)
+    assert "outwards" not in result.value
+    state.iteration = 8
+    assert "<details" not in result.value

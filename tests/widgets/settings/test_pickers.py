@@ -9,9 +9,9 @@ import pytest
 from mechstyle import gallery
 from mechstyle.errors import BadInput
 from mechstyle.geometry.files import save
-from mechstyle.records.chapters import BASES
 from mechstyle.records.load_cases import read_loads
 from mechstyle.records.material import LIBRARY
+from mechstyle.records.recipe import BASES
 from mechstyle.records.regions import Inside, Sphere
 from mechstyle.runs.images import digest_of
 from mechstyle.runs.recipes import draft

@@ -10,7 +10,7 @@ import pytest
 
 from mechstyle.errors import BadInput
 from mechstyle.geometry.files import save
-from mechstyle.loop.events import SimulationStarted
+from mechstyle.loop.engine import SimulationStarted
 from mechstyle.records.sentences import duration
 from mechstyle.runs.report.reproduce import command_for
 from mechstyle.runs.run import Run

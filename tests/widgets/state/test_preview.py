@@ -44,6 +44,7 @@ def prepared(monkeypatch):
 
     monkeypatch.setattr(module, "shape_aside", at_once)
     monkeypatch.setattr(module, "WAIT", 0.01)
+    monkeypatch.setattr(module, "_ready", {})
     return seen
 
 
@@ -133,6 +134,54 @@ def test_a_wish_of_another_thread_wakes_a_loop_that_sleeps(prepared, sphere):
     asyncio.run(main())
 
 
+def test_the_newest_wish_is_drawn_though_the_answer_before_it_could_not_be_shown(prepared, sphere):
+    """An error in showing one preview was the end of all that was asked for while it was drawn."""
+
+    async def main():
+        asker, errors = Asker(), []
+        asyncio.get_running_loop().set_exception_handler(lambda _loop, context: errors.append(context["exception"]))
+        show = asker.previewer._arrived
+        asker.previewer._arrived = lambda one: show(one) if errors else 1 / 0
+        prepared.gate.clear()
+        asker.previewer.ask(sphere, FEW, draft("brick"))
+        await prepared.until(1)
+        asker.previewer.ask(sphere, FEW, draft("stone"))
+        while asker.previewer._timer is not None:  # noqa: ASYNC110 — it is to find that the first is still being drawn
+            await asyncio.sleep(0.01)
+        prepared.gate.set()
+        await asker.news()
+        assert [type(error) for error in errors] == [ZeroDivisionError]
+        assert len(asker.shown) == 1
+
+    asyncio.run(main())
+
+
+def test_a_wish_of_another_thread_is_drawn_however_soon_its_time_has_come(prepared, sphere, monkeypatch):
+    """The timer went off before it was noted down, and was taken for one that is still to come."""
+
+    class Hasty(module.Timer):
+        def __init__(self, loop, _wait, act):
+            super().__init__(loop, 0.0, act)
+            turned = threading.Event()
+            loop.call_soon_threadsafe(loop.call_later, 0.01, turned.set)
+            turned.wait(0.3)
+
+    monkeypatch.setattr(module, "Timer", Hasty)
+
+    async def main():
+        asker = Asker()
+        prepared.gate.clear()
+        await asyncio.to_thread(asker.previewer.ask, sphere, FEW, draft("brick"))
+        await prepared.until(1)
+        await asyncio.to_thread(asker.previewer.ask, sphere, FEW, draft("stone"))
+        prepared.gate.set()
+        await asker.news()
+        await asker.rest()
+        assert len(asker.shown) == 2
+
+    asyncio.run(asyncio.wait_for(main(), 5.0))
+
+
 def test_where_only_running_tells_the_part_is_shown_as_it_came(prepared, sphere):
     async def main():
         asker = Asker()
@@ -142,6 +191,20 @@ def test_where_only_running_tells_the_part_is_shown_as_it_came(prepared, sphere)
         assert asker.shown[0].surface is sphere
 
     asyncio.run(main())
+
+
+def test_another_studio_of_the_same_part_finds_it_ready_and_only_the_last_few_are_kept(prepared, sphere, cube):
+    """A cell that is run again made its part ready once more, and drew the style on it from the start."""
+
+    async def main():
+        for mesh in (sphere, sphere, *(cube.moved(0.1 * count * cube.vertices) for count in range(module.READY)), sphere):
+            asker = Asker()
+            asker.previewer.ask(mesh, FEW, draft("brick"))
+            await asker.news()
+
+    asyncio.run(main())
+    assert [mesh is sphere for mesh, _ in prepared] == [True, *([False] * module.READY), True]
+    assert len(module._ready) == module.READY
 
 
 def test_without_an_event_loop_nothing_is_drawn(prepared, sphere):

@@ -10,7 +10,7 @@ import pytest
 import traitlets
 
 from mechstyle.errors import BadInput
-from mechstyle.loop.events import Checkpointed
+from mechstyle.loop.engine import Checkpointed
 from mechstyle.loop.objects import Objects
 from mechstyle.runs.session import Session
 from mechstyle_widgets.state.studio_state import StudioState

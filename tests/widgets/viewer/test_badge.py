@@ -1,6 +1,7 @@
 """The badge: the outcome in a few words, the figures behind it, and the way to the place that decides."""
 
 from html import escape
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -102,6 +103,19 @@ def test_it_tells_of_the_last_test_and_when_that_was_in_grey(done):
     state.iteration = 12
     assert "tested at" not in viewer.badge._words.value
     assert f"background:{UNTESTED.fill}" not in viewer.badge._words.value
+
+
+@pytest.mark.parametrize("left", [0.33, 0.95])
+def test_where_little_of_the_style_is_left_it_says_so_and_what_to_try(done, monkeypatch, left):
+    """The command line said it, and who ran it in a Studio never heard."""
+    notes = tuple(filter(None, ("drawn with care", sentences.little_left(left, "auto"))))
+    monkeypatch.setattr(type(done), "summary", property(lambda _run: SimpleNamespace(kept=left, notes=notes)))
+    state = StudioState(done)
+    said, _ = badge.of_state(state)
+    assert f"{left:.0%} of the relief kept" in said
+    assert [note for note in notes if escape(note) in said] == [note for note in notes if "outwards" in note]
+    state.iteration = 8
+    assert "outwards" not in badge.of_state(state)[0]
 
 
 def test_the_worst_place_is_flown_to_and_asked_about(done):

@@ -215,6 +215,17 @@ def test_what_is_protected_is_hatched_and_told(sphere):
         viewer.protected = np.zeros(3, bool)
 
 
+def test_a_drawing_that_fails_says_so_until_one_does_not(sphere, monkeypatch):
+    """It is drawn by the event loop, which keeps errors to its log."""
+    viewer = Viewer(sphere)
+    with monkeypatch.context() as patch:
+        patch.setattr(scene(viewer), "band", lambda _bands: 1 / 0)
+        viewer.stepped = True
+    assert "This did not work, by an unexpected ZeroDivisionError" in viewer._said.value
+    viewer.stepped = False
+    assert viewer._said.value == ""
+
+
 def test_an_unknown_vertex_is_refused(sphere):
     with pytest.raises(BadInput, match="there is no vertex 4098: the part has 4098"):
         Viewer(sphere).probed = 4098

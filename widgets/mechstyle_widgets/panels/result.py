@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from html import escape
 from typing import Any
 
+from mechstyle.errors import MechStyleError
 from mechstyle.loop.history import Row, standing
 from mechstyle.records import Verdict, sentences
 from mechstyle.runs.run import Run
@@ -34,7 +36,7 @@ class Result(Words):
         if self._state.run is not None and any(row.verdict is not None for row in history):
             _, verdict = standing(history)
             head = word("Last run: {}").format(self._state.title) if self._state.another else word("Result")
-            self.say(f"<b>{escape(head)}</b>{of_verdict(verdict)}{self._lanes()}{self._weight()}")
+            self.say(f"<b>{escape(head)}</b>{of_verdict(verdict)}{self._lanes()}{self._weight()}{self._notes()}")
         else:
             items = "".join(f"<li>{escape(said(step))}</li>" for step in steps(self._state.settings))
             self.say(f"<b>{escape(word('What will happen'))}</b><ol>{items}</ol>")
@@ -50,6 +52,17 @@ class Result(Words):
             costs = (f"{1e-3 * price * density * volume:.2f}" for volume in (styled, plain))
             words += " " + word("Its filament costs {}, that of the plain part {}, at {} per kg.").format(*costs, f"{price:g}")
         return f'<div class="mechstyle-note">{escape(words)}</div>'
+
+    def _notes(self) -> str:
+        """HTML of what else is known of the finished lane on show, "" before its end; the badge says how little is left of its style."""
+        run, state = self._state.run, self._state
+        with suppress(MechStyleError):  # there is no summary before the end
+            if run is not None and state.iteration == state.iterations_done:
+                little = sentences.little_left(run.summary.kept, run.recipe.style.side)
+                items = "".join(f"<li>{escape(said(note))}</li>" for note in run.summary.notes if note != little)
+                head = f"<summary>{escape(word('More about it'))}</summary>"
+                return f'<details class="mechstyle-note">{head}<ul>{items}</ul></details>' if items else ""
+        return ""
 
     def _lanes(self) -> str:
         """HTML of outcome and relief kept of each lane that was tested since it began, "" where none was."""

@@ -10,7 +10,7 @@ from typing import Any
 from mechstyle.errors import BadInput
 from mechstyle.fea.drop import resolve_device
 from mechstyle.fea.explicit import Progress
-from mechstyle.loop.events import Checkpointed, Event
+from mechstyle.loop.engine import Checkpointed, Event
 from mechstyle.records import Recipe
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.runs.recipes import FREESTYLE

@@ -10,6 +10,7 @@ from functools import partial
 
 from mechstyle.records import Recipe
 from mechstyle.records.mesh import SurfaceMesh
+from mechstyle.records.regions import Region
 from mechstyle.runs.stylizers import FinishedStyle, finished_style
 from mechstyle.simulation.part import Shape
 from mechstyle_widgets.jupyter.prepare import shape_aside
@@ -20,6 +21,10 @@ WAIT = 0.15
 """After the last change of a setting [s]."""
 VERTICES = 6000
 """As many show a style and are drawn in half a second; a run of fewer is shown with its own."""
+READY = 4
+"""Parts that are kept ready."""
+_ready: dict[tuple[str, int], Shape] = {}
+"""The last ones, by what they are of and their vertices: a cell that is run again shows its style at once."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,11 +35,13 @@ class Preview:
         shape: The part it was drawn on.
         style: The finished style; None where only running it tells.
         seconds: How long the drawing took [s].
+        protect: Regions that were protected when it was asked for.
     """
 
     shape: Shape
     style: FinishedStyle | None
     seconds: float
+    protect: tuple[Region, ...] = ()
 
     @property
     def surface(self) -> SurfaceMesh:
@@ -56,16 +63,16 @@ class _Overtaken(Exception):
 
 
 class Previewer:
-    """Draws what is asked for last."""
+    """Draws what is asked for last, from whichever thread."""
 
     def __init__(self, arrived: Callable[[Preview], None], failed: Callable[[str], None]) -> None:
         """Call `arrived` with previews, `failed` with a sentence, both on the event loop; without one nothing is drawn."""
         self._arrived, self._failed = arrived, failed
         self._loop = running_loop()
+        self._turn = threading.RLock()  # of who changes the next three
         self._wish: _Wish | None = None
         self._timer: Timer | None = None
         self._busy = False
-        self._shape: tuple[tuple[str, int], Shape] | None = None
 
     def ask(self, mesh: SurfaceMesh, vertices: int, recipe: Recipe) -> bool:
         """Draw a style on a part, a moment after the last wish; whether it will be.
@@ -75,24 +82,33 @@ class Previewer:
             vertices: Of the run that is to come.
             recipe: Its recipe, as `draft` makes it.
         """
-        self.cancel()
-        if self._loop is not None:
+        if self._loop is None:
+            return False
+        with self._turn:
+            self.cancel()
             self._wish = _Wish(mesh, min(vertices, VERTICES), recipe)
             self._timer = Timer(self._loop, WAIT, self._begin)
-        return self._loop is not None
+        return True
+
+    @property
+    def awaited(self) -> bool:
+        """Whether a preview was asked for that is still wanted."""
+        return self._wish is not None
 
     def cancel(self) -> None:
         """Want nothing any more: what is being drawn is not shown, and what prepares a part for it ends."""
-        self._wish = None
-        if self._timer is not None:
-            self._timer.cancel()
-            self._timer = None
+        with self._turn:
+            self._wish = None
+            if self._timer is not None:
+                self._timer.cancel()
+                self._timer = None
 
     def _begin(self) -> None:
-        self._timer = None
-        if self._wish is not None and not self._busy:
-            self._busy = True
-            threading.Thread(target=self._work, args=(self._wish,), name="mechstyle-preview", daemon=True).start()
+        with self._turn:
+            self._timer, wish = None, self._wish
+            if wish is not None and not self._busy:
+                self._busy = True
+                threading.Thread(target=self._work, args=(wish,), name="mechstyle-preview", daemon=True).start()
 
     def _work(self, wish: _Wish) -> None:
         """In the thread: draw, and bring the answer to the event loop."""
@@ -108,23 +124,30 @@ class Previewer:
             self._loop.call_soon_threadsafe(self._end, wish, answer)
 
     def _end(self, wish: _Wish, answer: Callable[[], None]) -> None:
-        self._busy = False
-        if self._wish is not None and self._wish.mesh is wish.mesh:  # of an earlier setting, perhaps: the newest follows
-            answer()
-        if self._wish is not wish and self._timer is None:
-            self._begin()
+        self._busy, newest = False, self._wish
+        try:
+            if newest is not None and newest.mesh is wish.mesh:  # of an earlier setting, perhaps: the newest follows
+                answer()
+        finally:
+            with self._turn:
+                if self._wish is not wish and self._timer is None:
+                    self._begin()
 
     def _drawn(self, wish: _Wish) -> Preview:
         shape = self._prepared(wish)
         began = time.monotonic()
-        return Preview(shape, finished_style(shape, wish.recipe), time.monotonic() - began)
+        style = finished_style(shape, wish.recipe)
+        return Preview(shape, style, time.monotonic() - began, wish.recipe.restraint.protect)
 
     def _prepared(self, wish: _Wish) -> Shape:
         key = (wish.mesh.digest, wish.vertices)
-        if self._shape is None or self._shape[0] != key:
-            self._shape = key, shape_aside(wish.mesh, wish.vertices, lambda: self._go_on(wish))
-        return self._shape[1]
+        shape = _ready.pop(key, None) or shape_aside(wish.mesh, wish.vertices, lambda: self._go_on(wish))
+        _ready[key] = shape
+        for old in list(_ready)[:-READY]:
+            _ready.pop(old, None)
+        return shape
 
     def _go_on(self, wish: _Wish) -> None:
-        if self._wish is None or self._wish.mesh is not wish.mesh:
+        newest = self._wish
+        if newest is None or newest.mesh is not wish.mesh:
             raise _Overtaken

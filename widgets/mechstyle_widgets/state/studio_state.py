@@ -3,8 +3,8 @@
 Pure traitlets, no widget. The worker thread of a session never touches a trait: what it has to say is noted down and
 carried over by `pump`, on the kernel's own event loop, at most ten times a second, the latest word on each trait winning.
 
-JupyterLab lets widgets speak on a thread of the kernel's own, while its event loop does the same: each has its turn, from setting a trait
-until all who watch it have heard of it.
+Pages are heard on that loop, too (`jupyter.one_thread`). Whatever thread of a user's sets a trait has its turn, until all who watch it have
+heard of it.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from typing import Any, ClassVar
 
 import traitlets
 
-from mechstyle.loop.events import Checkpointed, Corrected, Event, Finished, SimulationStarted, Stylized
+from mechstyle.loop.engine import Checkpointed, Corrected, Event, Finished, SimulationStarted, Stylized
 from mechstyle.loop.history import Branch, Row, lanes, per_iteration, rows
 from mechstyle.loop.store import Store
 from mechstyle.records import Checkpoint, Simulation

@@ -117,7 +117,8 @@ def of_state(state: StudioState) -> tuple[str, Verdict | None]:
     assert verdict is not None
     whose = said(f"{'This' if state.busy else 'Last'} run: {state.title}")
     head = f"<small><b>{escape(whose)}</b></small>" if state.another else ""
-    return head + judged(verdict, _when(state, rows[-1]), _kept(state), aged=rows[-1].iteration < state.iteration), verdict
+    kept, little = _kept(state)
+    return head + judged(verdict, _when(state, rows[-1]), kept, aged=rows[-1].iteration < state.iteration) + little, verdict
 
 
 def judged(verdict: Verdict, when: str = "", kept: str = "", *, aged: bool = False) -> str:
@@ -172,10 +173,12 @@ def _when(state: StudioState, row: Row) -> str:
     return sentences.tested_at(row.iteration) if state.run is not None and row.iteration < state.length else ""
 
 
-def _kept(state: StudioState) -> str:
-    """How much of the style is left, which is known at the end."""
+def _kept(state: StudioState) -> tuple[str, str]:
+    """How much of the style is left, which is known at the end, and HTML of what to try where that is little."""
     run = state.run
     with suppress(MechStyleError):  # there is no summary before the end
         if run is not None and state.iteration == state.iterations_done:
-            return f"{run.summary.kept:.0%} of the relief kept"
-    return ""
+            little = sentences.little_left(run.summary.kept, run.recipe.style.side)
+            warned = f'<div class="mechstyle-warning" role="status">{escape(said(little))}</div>' if little in run.summary.notes else ""
+            return f"{run.summary.kept:.0%} of the relief kept", warned
+    return "", ""

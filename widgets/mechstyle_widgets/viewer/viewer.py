@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import replace
+from html import escape
 from typing import Any
 
 import ipywidgets
@@ -24,9 +25,11 @@ from mechstyle.records.mesh import SurfaceMesh
 from mechstyle_widgets.jupyter.cell_output import OncePerCell
 from mechstyle_widgets.jupyter.closing import close_family
 from mechstyle_widgets.jupyter.frame import Framed
-from mechstyle_widgets.jupyter.listing import answer_while_drawing
+from mechstyle_widgets.jupyter.language import said
 from mechstyle_widgets.jupyter.looks import lean, sharing, show
+from mechstyle_widgets.jupyter.one_thread import hear_on_one_thread
 from mechstyle_widgets.jupyter.throttle import Paced
+from mechstyle_widgets.state.troubles import sentence
 from mechstyle_widgets.viewer import legend, probe
 from mechstyle_widgets.viewer.badge import Badge, untested
 from mechstyle_widgets.viewer.camera import Orbit
@@ -36,8 +39,6 @@ from mechstyle_widgets.viewer.scene import BACKGROUNDS, Scene, floor_cell
 from mechstyle_widgets.viewer.section import Section
 from mechstyle_widgets.viewer.toolbar import Toolbar
 from mechstyle_widgets.viewer.tools import Tools
-
-answer_while_drawing()
 
 BANDS = 9
 """Colours of a field that is shown in steps: each spans five MPa of a strength of 45."""
@@ -135,7 +136,7 @@ class Viewer(Tools, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]
         super().__init__([self._toolbar, self.section, window, self._foot, self._list])
         self.add_class("mechstyle-viewer")
         self.subject, self.original, self.theme = subject, original, theme
-        self._refresh = Paced(self._draw)
+        self._refresh = Paced(self._draw, self._confess)
         self.layer = layers[0].name if layers else STYLE
         self._wire()
         self._built = True
@@ -143,6 +144,7 @@ class Viewer(Tools, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]
 
     def _wire(self) -> None:
         """Let the toolbar, the cut and the camera be heard."""
+        hear_on_one_thread()
         for name in ("layer", "beside", "markers", "stepped", "parallel", "tool"):
             traitlets.link((self, name), (self._toolbar, name))
         self.section.observe(lambda change: setattr(self._toolbar, "cut", change["new"]), "on")
@@ -277,6 +279,10 @@ class Viewer(Tools, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]
         self._list.show(self.subject, self.places)
         self._measure()
         self.drawings += 1
+
+    def _confess(self, error: Exception) -> None:
+        """Say that drawing failed, until it does not; the event loop would keep it to itself."""
+        self._said.value = f'<span role="alert">{escape(said(sentence(error)))}</span>'
 
     @property
     def _shown(self) -> list[Subject]:

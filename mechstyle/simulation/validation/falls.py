@@ -1,4 +1,7 @@
-"""Parts that land again: what a drop that ends by its rule finds, against a window that holds all of it without a break."""
+"""Falls against other falls: critical heights against drops from there, and parts that land again against a window without a break.
+
+Too large a height is the unsafe side.
+"""
 
 from __future__ import annotations
 
@@ -14,14 +17,16 @@ from mechstyle.fea.drop import Drop, DropTest, drop, tracks_for
 from mechstyle.fea.elements import QUADRATIC
 from mechstyle.fea.explicit import no_progress
 from mechstyle.fea.flight import RigidBody
-from mechstyle.fea.orientations import directions
-from mechstyle.fea.period import lowest_period
+from mechstyle.fea.linear_solvers import lowest_period
+from mechstyle.fea.orientations import directions, landings
 from mechstyle.fea.phases import IMPULSE, MIN_IMPULSE, MIN_SPEED_RATIO, QUIET_TIME, Track, follow
 from mechstyle.fea.stressed_volume import DROPPED
+from mechstyle.records import Landing
 from mechstyle.records.mesh import Floats, TetMesh
+from mechstyle.simulation.simulator import exponent_of
 from mechstyle.simulation.validation.cases import Result, bounded, compared
-from mechstyle.simulation.validation.meshes import box, cup, open_ring
-from mechstyle.simulation.validation.reading import PLA, Body
+from mechstyle.simulation.validation.meshes import box, bracket, cup, open_ring
+from mechstyle.simulation.validation.reading import PLA, Body, period_of_body
 
 TOUCH, WORST = 0.03, 0.05
 BAR = box((30, 5, 1), (120.0, 20.0, 4.0))
@@ -36,12 +41,12 @@ def bar() -> Iterator[Result]:
 
 def large_cup() -> Iterator[Result]:
     """A cup of the size of a pen holder in five orientations."""
-    yield from _landed_again("second_cup", cup(40.0, 100.0, 3.0, (28, 8, 3)), directions(5), 10.0, _numbered(5))
+    yield from _landed_again("second_cup", cup(40.0, 100.0, 3.0, (28, 8, 3)), directions(5), 10.0, _landing_names(5))
 
 
 def ring() -> Iterator[Result]:
     """An open ring, 70 × 40 mm of 6 × 6 mm, in five orientations: nothing in it is compact."""
-    yield from _landed_again("second_ring", open_ring(35.0, 20.0, 6.0, 40), directions(5), 12.0, _numbered(5))
+    yield from _landed_again("second_ring", open_ring(35.0, 20.0, 6.0, 40), directions(5), 12.0, _landing_names(5))
 
 
 def tilted_ways() -> Floats:
@@ -90,7 +95,7 @@ def _in_callers_order(tracks: Sequence[Track], body: Discretisation) -> Floats:
     return ordered
 
 
-def _numbered(count: int) -> list[str]:
+def _landing_names(count: int) -> list[str]:
     return [f"landing {number}" for number in range(count)]
 
 
@@ -121,3 +126,51 @@ def later_touches(track: Track, rigid: RigidBody, period: float) -> list[Met]:
         if touch is not None:
             found.append(Met(track.interval * (sample - 1) + touch.after, touch.speed))
     return found
+
+
+FALL = 1500.0
+"""Height of the fall asked for [mm]."""
+FALLS = {150.0: 0.02, 750.0: 0.01, 3000.0: 0.01}
+"""Other heights of a flat fall [mm], and how far σ_V may be from what it should be by σ_V ∝ √h."""
+FORMULA, FOUND = 0.01, 0.05
+
+
+def flat_heights() -> Iterator[Result]:
+    """Flat landings, whose critical height follows from one drop: σ_V of drops from there and from other heights."""
+    for name, tets in _bodies().items():
+        body, period = Body(tets), period_of_body(tets)
+        stress = _dropped(body, FALL, period)
+        critical = FALL * (PLA.yield_strength / stress) ** 2
+        note = f"the yield strength, from the critical height of {critical:.0f} mm by a drop from {FALL / 1000.0:g} m"
+        yield compared(f"heights_flat: {name}, h*", _dropped(body, critical, period), PLA.yield_strength, FORMULA, "MPa", note)
+        for height, limit in FALLS.items():
+            scaled, note = stress * math.sqrt(height / FALL), f"σ_V of a drop from {FALL / 1000.0:g} m, by σ_V ∝ √h"
+            yield compared(f"heights_flat: {name}, {height / 1000.0:g} m", _dropped(body, height, period), scaled, limit, "MPa", note)
+
+
+def nearly_flat_heights() -> Iterator[Result]:
+    """The hardest nearly flat landing, whose critical height takes further drops: a last drop from there."""
+    for name, tets in _bodies().items():
+        body, period = Body(tets), period_of_body(tets)
+        ways = landings(tets.boundary, "fibonacci", 1, nearly_flat=True).normals[1:]
+        stresses = [_dropped(body, FALL, period, way) for way in ways]
+        way, stress = ways[int(np.argmax(stresses))], max(stresses)
+        first = FALL * (PLA.yield_strength / stress) ** 2
+        landing = Landing(name=name, way="nearly flat", normal=(0.0, 0.0, 1.0), stress=stress, maximum=stress, where=(0.0, 0.0, 0.0),
+                          fall=FALL, critical_height=first)  # fmt: skip
+        exponent, drops = exponent_of(landing, PLA.yield_strength, lambda height: _dropped(body, height, period, way))  # noqa: B023 — used at once
+        critical = FALL * (PLA.yield_strength / stress) ** (1.0 / exponent)
+        there = _dropped(body, critical, period, way)
+        note = f"the yield strength, from h* = {critical:.0f} mm after {drops} more drops, p = {exponent:.2f}; first guess {first:.0f} mm"
+        yield compared(f"heights_nearly: {name}, h*", there, PLA.yield_strength, FOUND, "MPa", note)
+
+
+def _bodies() -> dict[str, TetMesh]:
+    return {"cup": cup(20.0, 30.0, 2.5, (28, 8, 3)), "bracket": bracket(40.0, 16.0, 4.0, 4.0)}
+
+
+def _dropped(body: Body, height: float, period: float, way: Floats | None = None) -> float:
+    """σ_V of a fall [MPa], flat unless another floor normal is given."""
+    normals = ((0.0, 0.0, 1.0),) if way is None else way[None]
+    stress = body.dropped(DropTest(height=height), normals, period)[0].stress
+    return stress if math.isfinite(stress) else math.inf

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from mechstyle.fea.bounding_box import AXIS_OF, MOST_FRAGILE, SIDES, box_around, named, places
+from mechstyle.fea.poses import AXIS_OF, MOST_FRAGILE, SIDES, box_around, named, places
 
 CORNERS = np.array(list(itertools.product((0.0, 1.0), repeat=3))) * [60.0, 20.0, 40.0]
 WEDGE = np.array([[0, 0, 0], [60, 0, 0], [60, 20, 0], [0, 20, 0], [0, 0, 35], [0, 20, 40]], dtype=float)

@@ -9,10 +9,10 @@ import pytest
 from manifold3d import Manifold
 
 from mechstyle.geometry.remeshing.evening import even, surface_of
+from mechstyle.geometry.thickness import local_thickness
 from mechstyle.records.simulation import LEAST_CARRIED, VOLUME_ERROR
-from mechstyle.simulation.body import Body, Followed, Skin
-from mechstyle.simulation.meshes import carrying
-from mechstyle.simulation.part import Workpiece, refilled
+from mechstyle.simulation.meshes import Body, Followed
+from mechstyle.simulation.part import Shape, Workpiece, carrying, refilled
 
 
 @pytest.fixture(scope="module")
@@ -22,7 +22,7 @@ def slab():
 
 def body(slab, tets, at, nozzle=0.0):
     """Tetrahedra; a nozzle of no width prints everything."""
-    return Body(Skin(slab, nozzle), tets, at=at)
+    return Body(Shape(slab, local_thickness(slab)), tets, nozzle, at=at)
 
 
 @pytest.fixture(scope="module")
@@ -49,7 +49,7 @@ def test_they_are_made_for_half_of_it_and_carry_all_of_it(slab, relief, filled):
 def test_a_base_that_is_laid_flat_but_left_hanging_is_not_carried(slab, relief, filled):
     """Deep bricks under a grip: with the base laid flat half of its nodes stayed tenths of a millimetre above the floor."""
     made = body(slab, *filled)
-    base = made.skin.base
+    base = made.shape.level_base
     flat = np.where(base.standing, np.float32(0.0), relief)
     followed = made.morph.morphed(flat)
     assert made.followed(followed).grounded > 0.95
@@ -65,7 +65,7 @@ def test_a_base_that_is_laid_flat_but_left_hanging_is_not_carried(slab, relief, 
 def test_a_plain_base_has_no_relief_that_could_be_missed_whatever_lies_beside_it(slab, relief, filled):
     """-153 % of what lies beside its edge were once followed, which is no share of anything."""
     made = body(slab, *filled, nozzle=4.0)
-    above = np.where(made.skin.base.standing, np.float32(0.0), relief)
+    above = np.where(made.shape.level_base.standing, np.float32(0.0), relief)
     assert made.followed(made.morph.morphed(above)).base is None
 
 
@@ -84,7 +84,7 @@ def test_what_is_finer_than_a_nozzle_does_not_count_as_missed(slab, relief, fill
     """The boundary misses ripples of one sign at every other vertex, which no printer could show."""
     made, wide = body(slab, *filled), body(slab, *filled, nozzle=4.0)
     followed = made.morph.morphed(relief)
-    ripples = np.where(made.skin.base.standing, 0.0, np.random.default_rng(0).choice([-0.5, 0.5], len(relief))).astype(np.float32)
+    ripples = np.where(made.shape.level_base.standing, 0.0, np.random.default_rng(0).choice([-0.5, 0.5], len(relief))).astype(np.float32)
     rippled = replace(followed, displacement=relief + ripples)
     assert made.followed(rippled).whole < 0.7
     assert wide.followed(rippled).whole > 0.85

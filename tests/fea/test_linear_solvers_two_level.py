@@ -9,7 +9,7 @@ from mechstyle.errors import SimulationFailed
 from mechstyle.fea.discretisation import discretise
 from mechstyle.fea.elasticity import stiffness_matrix
 from mechstyle.fea.elements import LINEAR, QUADRATIC
-from mechstyle.fea.stiffness import TwoLevel, linear_fields
+from mechstyle.fea.linear_solvers import TwoLevel, linear_fields
 
 SHIFT = 1.0  # [N/mm] per unit of the fields' own product: far below what deforms a block costs
 

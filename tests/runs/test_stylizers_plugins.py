@@ -15,7 +15,7 @@ from mechstyle.errors import BadInput
 from mechstyle.loop.engine import Bounds
 from mechstyle.records import Recipe
 from mechstyle.records.material import LIBRARY
-from mechstyle.runs import plugins
+from mechstyle.runs import stylizers
 from mechstyle.runs.recipes import changed, draft
 from mechstyle.runs.run import Run
 from mechstyle.styling.drawn import ProceduralStylizer, Target
@@ -27,7 +27,7 @@ PAGE = ROOT / "docs" / "plug-in.md"
 @pytest.fixture(autouse=True)
 def alone(monkeypatch):
     """No stylizer is known but those of the test."""
-    monkeypatch.setattr(plugins, "_registered", {})
+    monkeypatch.setattr(stylizers, "_registered", {})
 
 
 def flat(surface, bounds, recipe):
@@ -36,10 +36,10 @@ def flat(surface, bounds, recipe):
 
 
 def made(surface, factory):
-    plugins.register_stylizer("mine")(factory)
+    stylizers.register_stylizer("mine")(factory)
     recipe = Recipe.of(surface="s", tetrahedra="t", prompt="", material=LIBRARY["PLA"], stylizer="mine")
     full = np.ones(len(surface.vertices), np.float32)
-    return plugins.made(surface, Bounds(full, full, full, full), recipe)
+    return stylizers.made(surface, Bounds(full, full, full, full), recipe)
 
 
 def test_a_registered_function_makes_the_stylizer_of_its_name(cube):
@@ -48,16 +48,16 @@ def test_a_registered_function_makes_the_stylizer_of_its_name(cube):
 
 def test_an_installed_package_offers_its_stylizer(monkeypatch):
     point = SimpleNamespace(name="installed", load=lambda: flat)
-    monkeypatch.setattr(plugins, "entry_points", lambda name=None, **_: [point] if name in (None, "installed") else [])
-    assert plugins.known_stylizers() == ("installed",)
-    assert plugins.name_of("installed") == "installed"
+    monkeypatch.setattr(stylizers, "entry_points", lambda name=None, **_: [point] if name in (None, "installed") else [])
+    assert stylizers.known_stylizers() == ("installed",)
+    assert stylizers.name_of("installed") == "installed"
     with pytest.raises(BadInput, match="unknown stylizer 'instaled': did you mean 'installed'"):
-        plugins.name_of("instaled")
+        stylizers.name_of("instaled")
 
 
 def test_a_function_given_itself_is_registered_by_its_name():
     assert draft("whatever it reads", stylizer=flat).style.stylizer == "flat"
-    assert plugins.known_stylizers() == ("flat",)
+    assert stylizers.known_stylizers() == ("flat",)
 
 
 def test_the_built_in_styles_have_no_name_and_still_read_the_prompt():
@@ -80,7 +80,7 @@ def test_a_stylizer_that_is_not_here_is_refused_with_what_to_do():
 
 def test_a_name_that_cannot_be_one_is_refused():
     with pytest.raises(BadInput, match="named by letters"):
-        plugins.register_stylizer("os:system")
+        stylizers.register_stylizer("os:system")
 
 
 def proposing(displacement, colour):
@@ -122,6 +122,6 @@ def test_the_example_of_the_page_styles_a_part_and_goes_on_where_it_stopped(tmp_
     again = Run.open("runs/picture", "cpu")
     before = again.store.lane().head
     assert again.go().store.lane().head == before
-    plugins._registered.clear()
+    stylizers._registered.clear()
     with pytest.raises(BadInput, match="the stylizer 'picture' is not here"):
         Run.open("runs/picture", "cpu").go()

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from mechstyle.runs.report import impact_data as module
-from mechstyle.runs.report.impact_data import MOMENTS, impact_data, impacts, moments
+from mechstyle.runs.report import replay_data as module
 from mechstyle.runs.report.page import report_page
+from mechstyle.runs.report.replay_data import MOMENTS, impact_data, impacts, moments
 from mechstyle.simulation.impact import Impact, impact_key
 
 

@@ -3,8 +3,8 @@
 from mechstyle.loop.history import rows, steps
 from mechstyle.loop.store import Lane
 from mechstyle.records import sentences
+from mechstyle.runs.report.page import mimebundle
 from mechstyle.runs.report.replay_data import replay_data
-from mechstyle.runs.report.static_view import mimebundle
 from mechstyle.runs.run import Run
 from support.reader import Reader
 

@@ -2,14 +2,14 @@
 
 import pytest
 
-from mechstyle.fea.statics.load_test import StaticTest
+from mechstyle.fea.statics import StaticTest
 from mechstyle.fea.stressed_volume import LOADED, Walls, at_nodes, exceeded
 from mechstyle.gallery import make, use_of
 from mechstyle.records.load_cases import Load, LoadCase, Patch, Support
 from mechstyle.runs.recipes import draft
 from mechstyle.simulation.part import prepare
-from mechstyle.study import loads as module
-from mechstyle.study.loads import LoadFactor, scaled, with_loads, words_of
+from mechstyle.study import cells as module
+from mechstyle.study.cells import LoadFactor, scaled, with_loads, words_of
 
 PULLED = LoadCase(
     name="pulled",

@@ -1,4 +1,4 @@
-"""Touches read off a drop without a break."""
+"""Critical heights against drops from there, and touches read off a drop without a break."""
 
 import re
 
@@ -11,11 +11,13 @@ from mechstyle.fea.drop import DropTest, drop, tracks_for
 from mechstyle.fea.elements import LINEAR
 from mechstyle.fea.explicit import no_progress
 from mechstyle.fea.flight import RigidBody
-from mechstyle.fea.period import lowest_period
+from mechstyle.fea.linear_solvers import lowest_period
 from mechstyle.fea.phases import follow
 from mechstyle.records.material import LIBRARY
-from mechstyle.simulation.validation.meshes import box
-from mechstyle.simulation.validation.second_impacts import TILTS, WORST, _landed_again, later_touches, tilted_ways
+from mechstyle.simulation.validation import falls
+from mechstyle.simulation.validation.falls import TILTS, WORST, _landed_again, later_touches, tilted_ways
+from mechstyle.simulation.validation.meshes import box, bracket
+from support.cases import held, quick
 
 PLA = LIBRARY["PLA"]
 
@@ -48,3 +50,10 @@ def test_a_bar_in_six_tilts_meets_the_floor_as_in_a_full_run():
     assert len(each) == len(TILTS)
     assert each[0][0] == pytest.approx(each[0][1], rel=0.03)
     assert all(ours > 0.8 * whole for ours, whole in each), found[-1].note
+
+
+@pytest.mark.parametrize("name", quick(falls))
+def test_the_simulation_holds(name, monkeypatch):
+    """Of one body in half as many cells; `mechstyle validate` drops two of them."""
+    monkeypatch.setattr(falls, "_bodies", lambda: {"bracket": bracket(20.0, 8.0, 4.0, 4.0)})
+    held(name)

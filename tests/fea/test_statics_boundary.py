@@ -5,7 +5,7 @@ import pytest
 
 from mechstyle.errors import BadInput
 from mechstyle.fea.elements import QUADRATIC, element_named, with_nodes
-from mechstyle.fea.statics.boundary import POINTS, Boundary, pick
+from mechstyle.fea.statics import POINTS, Boundary, pick
 from mechstyle.records.load_cases import Patch
 from mechstyle.records.mesh import TetMesh
 

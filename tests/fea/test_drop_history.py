@@ -5,8 +5,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from mechstyle.fea.drop import history_of, phases_of
 from mechstyle.fea.explicit import QUANTITIES
-from mechstyle.fea.history import history_of, phases_of
 
 DT, STRIDE, GRAVITY = 0.01, 4, 0.5
 SCHEME = SimpleNamespace(time_step=DT, stride=STRIDE, gravity=GRAVITY)

@@ -4,7 +4,7 @@ import itertools
 
 import pytest
 
-from mechstyle.loop.events import Checkpointed, Corrected, Event, Finished, Simulated, SimulationStarted, Stylized
+from mechstyle.loop.engine import Checkpointed, Corrected, Event, Finished, Simulated, SimulationStarted, Stylized
 
 
 @pytest.fixture

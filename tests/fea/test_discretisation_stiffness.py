@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from mechstyle.fea.discretisation import discretise
+from mechstyle.fea.discretisation import discretise, spectral_norms
 from mechstyle.fea.elements import ELEMENTS
-from mechstyle.fea.stiffness import spectral_norms
 
 RANDOM = np.random.default_rng(0).normal(size=(500, 3, 3))
 MATRICES = {

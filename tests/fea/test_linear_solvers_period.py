@@ -7,7 +7,7 @@ from scipy.linalg import eigvalsh
 from mechstyle.fea.discretisation import discretise
 from mechstyle.fea.elasticity import stiffness_matrix
 from mechstyle.fea.elements import ELEMENTS, QUADRATIC
-from mechstyle.fea.period import lowest_period
+from mechstyle.fea.linear_solvers import lowest_period
 from mechstyle.records.mesh import TetMesh
 
 

@@ -7,7 +7,7 @@ import pytest
 import trimesh
 
 from mechstyle import gallery
-from mechstyle.fea.footprint import footprint, own_frame, straight_sides, touchdowns
+from mechstyle.fea.orientations import footprint, own_frame, straight_sides, touchdowns
 from mechstyle.geometry.remeshing.evening import even
 from mechstyle.records.mesh import SurfaceMesh
 

@@ -1,1 +1,0 @@
-"""Linear statics: where loads and supports act, one factorisation for the cases that share it, the test of a part."""
