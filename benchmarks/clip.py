@@ -21,9 +21,9 @@ import torch
 from transformers import BatchEncoding, CLIPConfig, CLIPModel
 
 from mechstyle.records.mesh import SurfaceMesh
-from mechstyle.styling.learned import cuda_graph
+from mechstyle.styling.learned import stylizer as learned
 from mechstyle.styling.learned.clip import Clip
-from mechstyle.styling.learned.clip_guidance import VIEWS, ClipGuidance
+from mechstyle.styling.learned.guidance import VIEWS, ClipGuidance
 from mechstyle.styling.learned.renderer import Renderer
 from mechstyle.styling.learned.style_field import StyleField
 from mechstyle.styling.learned.stylizer import FIELD_RATE, VERTEX_RATE, NeuralStylizer, VertexField
@@ -104,7 +104,7 @@ def main() -> None:
     """Print milliseconds per iteration."""
     asked = arguments()
     if asked.eager:
-        cuda_graph.WARM_UP = sys.maxsize
+        learned.WARM_UP = sys.maxsize
     stylizer = prepared(asked.device, asked.images, asked.field)
     first, _ = timed(stylizer, 1 if asked.device == "cpu" else WARM_UP, asked.device)
     seconds, cpu = timed(stylizer, asked.iterations, asked.device)

@@ -21,8 +21,7 @@ import msgspec
 from lib3mf import get_wrapper
 
 import mechstyle as ms
-from mechstyle.geometry.filaments import clustered, in_bands, painted, palette_of
-from mechstyle.geometry.print_cost import print_cost
+from mechstyle.geometry.filaments import clustered, in_bands, painted, palette_of, print_cost
 from mechstyle.pictures.figure import Panel
 from mechstyle.pictures.panels import picture
 from mechstyle.runs.run import Run

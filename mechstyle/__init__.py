@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from mechstyle.errors import BadInput, MechStyleError
     from mechstyle.gallery import load
-    from mechstyle.gallery.style_swatches import styles
+    from mechstyle.gallery.style_sheet import styles
     from mechstyle.geometry.files import save
     from mechstyle.records import Recipe, Verdict
     from mechstyle.records.load_cases import Load, LoadCase, Support
@@ -56,7 +56,7 @@ _WHERE = {
     "save": "geometry.files",
     "simulate": "simulation.part_test",
     "strengthen": "simulation.strengthen",
-    "styles": "gallery.style_swatches",
+    "styles": "gallery.style_sheet",
     "stylize": "runs.run",
 }
 

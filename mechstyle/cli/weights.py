@@ -76,7 +76,7 @@ def path_command(
 
 
 def _need_libraries() -> None:
-    from mechstyle.styling.learned.extra import need_clip_extra  # noqa: PLC0415 — asked only where weights are read
+    from mechstyle.styling.learned.weights import need_clip_extra  # noqa: PLC0415 — asked only where weights are read
 
     need_clip_extra()
 

@@ -68,7 +68,10 @@ def vase(
         raise BadInput(f"{lobes} waves of {relief:g} mm are too steep for a vase of {diameter:g} mm: take fewer or flatter ones")
     turn = _solids.angles(lobes)
     up = np.concatenate([[0.0], np.linspace(FOOT / height, 1.0 - wall / (2 * height), 64)])
-    outer = _belly(up)[:, None] * (diameter / 2 + relief * _waves(up, turn, lobes, twist))
+    # Waves start round at the foot and calm down at the lip.
+    fade = _smoothstep(up / 0.2) * (1.0 - 0.6 * _smoothstep((up - 0.75) / 0.25))
+    waves = fade[:, None] * np.cos(lobes * (turn + math.radians(twist) * up[:, None]))
+    outer = _belly(up)[:, None] * (diameter / 2 + relief * waves)
     inner = _solids.inner_radius(outer, up * height, turn, wall)
     outer[0] -= FOOT
     lip, lip_level = _solids.rim(outer[-1], inner[-1], up[-1] * height, wall / 2)
@@ -181,12 +184,6 @@ def _belly(up: Floats) -> Floats:
     degree = len(weights) - 1
     terms = [w * math.comb(degree, k) * up**k * (1 - up) ** (degree - k) for k, w in enumerate(weights)]
     return np.asarray(sum(terms))
-
-
-def _waves(up: Floats, turn: Floats, lobes: int, twist: float) -> Floats:
-    """Waves around a vase, from -1 to 1, that start round at the foot and calm down at the lip, shape [levels, points]."""
-    fade = _smoothstep(up / 0.2) * (1.0 - 0.6 * _smoothstep((up - 0.75) / 0.25))
-    return np.asarray(fade[:, None] * np.cos(lobes * (turn + math.radians(twist) * up[:, None])))
 
 
 def _smoothstep(x: Floats) -> Floats:

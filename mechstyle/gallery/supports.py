@@ -129,7 +129,9 @@ def tablet_stand(
     valley = CrossSection([_solids.superellipse(apart - 0.5 * triangle - 1.5 - thickness, height - middle, 2.4, 120)])
     low, high = -2.4 * thickness, height + 1.0  # beyond the floor, where it is cut, and to where the triangles are round
     plate = _solids.box(2.0 * apart, high - low, 1.0).translate((0.0, 0.5 * (low + high))) - valley.translate((0.0, height))
-    back = _solids.lofted(_solids.softened(plate, 2.0, 2.0), _both_edges_round(thickness, 1.2))
+    edge = _solids.round_edge(1.2)  # below and above
+    levels = [*((1.2 - z, inset) for z, inset in reversed(edge)), *((thickness - 1.2 + z, inset) for z, inset in edge)]
+    back = _solids.lofted(_solids.softened(plate, 2.0, 2.0), levels)
     behind = -0.2 * thickness  # of the line from heel to top, so that the tablet lies on the triangles
     (x, z), across = along, np.array([-along[1], along[0]])
     place = np.array([[0.0, x, across[0], behind * across[0]], [-1.0, 0.0, 0.0, 0.0], [0.0, z, across[1], behind * across[1]]])
@@ -152,12 +154,6 @@ def _hooked_triangle(top: Floats, ledge: float, thickness: float) -> CrossSectio
     outline = _solids.softened(frame + (hook - _solids.softened(room, min(5.0, 0.4 * ledge), 0.1)), 0.6 * thickness, 1.2 * thickness)
     opening = _solids.offset(_solids.offset(frame, -21.0 - 1.2 * thickness), 7.0)
     return (outline - opening).simplify(0.05)  # else hairlines beside some of its corners are creases, too
-
-
-def _both_edges_round(thickness: float, radius: float) -> list[_solids.Level]:
-    """Levels of a plate whose edges are round below and above."""
-    edge = _solids.round_edge(radius)
-    return [*((radius - z, inset) for z, inset in reversed(edge)), *((thickness - radius + z, inset) for z, inset in edge)]
 
 
 def door_stop(

@@ -41,7 +41,7 @@ def shell_and_rest(
     vertices = np.concatenate([styled.vertices, cut[within]])
     outside, inside = styled.faces[of_shell], inner[styled.faces[of_shell]]
     shell, rest = np.concatenate([outside, inside[:, ::-1]]), np.concatenate([styled.faces[~of_shell], inside])
-    return _without_unused(vertices, shell), _without_unused(vertices, rest)
+    return without_unused(vertices, shell), without_unused(vertices, rest)
 
 
 def _touched(faces: NDArray[np.integer], count: int) -> Bools:
@@ -66,7 +66,7 @@ def _without_chords(faces: NDArray[np.integer], chosen: Bools) -> Bools:
         chosen = chosen & ~chords
 
 
-def _without_unused(vertices: Floats, faces: NDArray[np.integer]) -> SurfaceMesh:
-    """A mesh of these faces and the vertices they use."""
+def without_unused(vertices: Floats, faces: NDArray[np.integer]) -> SurfaceMesh:
+    """A mesh of faces, shape [m, 3], and of those of the vertices [mm], shape [n, 3], that they use."""
     used, renumbered = np.unique(faces, return_inverse=True)
     return SurfaceMesh(vertices[used], renumbered.reshape(-1, 3))

@@ -20,7 +20,7 @@ LOOK = 0.2
 """Time between two questions whether to go on, while one waits for another thread [s]."""
 
 
-class _Ended(Exception):
+class _Cancelled(Exception):
     """Raised in the other thread where its result is of no use any more."""
 
 
@@ -39,10 +39,10 @@ def meanwhile(work: Callable[[CancelCheck], object], go_on: CancelCheck = never_
 
     def asked() -> None:
         if ended.is_set():
-            raise _Ended
+            raise _Cancelled
 
     def done() -> None:
-        with suppress(_Ended, MechStyleError):
+        with suppress(_Cancelled, MechStyleError):
             work(asked)
 
     thread = Thread(target=done, name="mechstyle-meanwhile", daemon=True)

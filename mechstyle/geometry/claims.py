@@ -10,7 +10,7 @@ import json
 import re
 import struct
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from mechstyle.errors import BadInput
@@ -67,15 +67,7 @@ def stl_length(content: bytes) -> int:
     return 84 + 50 * count if 0 < 84 + 50 * count <= len(content) and count else 0
 
 
-def _of_stl(content: bytes) -> int:
-    return (stl_length(content) - 84) // 50 if stl_length(content) else content.count(b"endfacet")
-
-
-def _of_obj(content: bytes) -> int:
-    return len(re.findall(rb"(?m)^[ \t]*f[ \t]", content))
-
-
-def _of_ply(content: bytes) -> int:
+def ply_faces(content: bytes) -> int:
     """Faces by the header; every element takes at least a byte for each of its properties."""
     head, _, body = content.partition(b"end_header")
     counts, properties, last = Counter[str](), Counter[str](), ""
@@ -90,7 +82,7 @@ def _of_ply(content: bytes) -> int:
     return counts["face"]
 
 
-def _of_glb(content: bytes) -> int:
+def glb_faces(content: bytes) -> int:
     """Faces of all meshes as often as nodes use them."""
     length = struct.unpack_from("<I", content, 12)[0]
     if length > len(content):
@@ -142,4 +134,10 @@ def too_many(pieces: int) -> None:
         raise Beyond(f"is made of more than {MOST_PIECES} pieces: a part is one body; merge them in the program it was made with")
 
 
-COUNTED = {"stl": _of_stl, "obj": _of_obj, "ply": _of_ply, "glb": _of_glb}
+COUNTED: Mapping[str, Callable[[bytes], int]] = {
+    "stl": lambda content: (stl_length(content) - 84) // 50 if stl_length(content) else content.count(b"endfacet"),
+    "obj": lambda content: len(re.findall(rb"(?m)^[ \t]*f[ \t]", content)),
+    "ply": ply_faces,
+    "glb": glb_faces,
+}
+"""How many faces a file claims to have, by its format."""

@@ -26,10 +26,9 @@ import trimesh
 from mechstyle._files import write_aside
 from mechstyle.errors import BadInput, unknown
 from mechstyle.geometry.claims import MOST_BYTES, MOST_FACES, Beyond, check_claims, stl_length
-from mechstyle.geometry.glb import DULL, Sheen, glb_bytes
-from mechstyle.geometry.glb_reader import plain
+from mechstyle.geometry.glb import DULL, Sheen, glb_bytes, plain
 from mechstyle.geometry.one_body import Body, bodies_of, repaired
-from mechstyle.geometry.pieces import COLOURS_LEFT, Held, Piece, Thing, sides
+from mechstyle.geometry.pieces import COLOURS_LEFT, Held, Piece, Thing, size_words
 from mechstyle.geometry.threemf import threemf_bytes
 from mechstyle.geometry.threemf_reader import read_threemf
 from mechstyle.geometry.upright import lying, upright
@@ -104,8 +103,9 @@ def read(
     if size is not None:
         mesh = SurfaceMesh(mesh.vertices * (size / float(mesh.extents.max())), mesh.faces)
     elif scale is None and not unit:
-        _ask(file.name, mesh, factor)
-    notes = [f"{sides(mesh.vertices)}, {_grams(mesh)} g in solid PLA"]
+        _check_plausible(file.name, mesh, factor)
+    mass = mesh.volume * LIBRARY["PLA"].density
+    notes = [f"{size_words(mesh.vertices)}, {f'{mass:.0f}' if mass >= 10.0 else f'{mass:.2g}'} g in solid PLA"]
     if factor != 1.0:
         notes.append(f"converted to millimetres (times {factor:g})")
     notes += _left_out(held, factor * axes)
@@ -156,12 +156,16 @@ def _scaled(file: Path, scale: float | None, unit: str, size: float | None) -> t
         if number is not None and not (np.isfinite(number) and number > 0):
             raise BadInput(f"{what} is {number:g}, but must be a positive number, such as {example}")
     factor_given = millimetres(unit) if unit else scale
-    held = _held(file)
+    held = _checked_content(file)
     corners = np.concatenate([piece.corners for thing in held.things for piece in thing.pieces])
     longest = float(np.ptp(corners, axis=0).max())
     if size is not None and longest > 0.0:
         factor_given = size / longest
-    factor = _of_the_file(file.name, held.unit) if factor_given is None else factor_given
+    try:
+        factor = millimetres(held.unit) if factor_given is None else factor_given
+    except BadInput as error:
+        odd = f"{file.name} is in {held.unit[:40]!r}, a unit that 3MF does not have"
+        raise BadInput(f"{odd}: export it again, or say its unit with --unit") from error
     _check_size(file.name, corners, factor)
     return held, factor
 
@@ -175,11 +179,6 @@ def _placed(things: tuple[Thing, ...], matrix: Floats) -> list[Thing]:
     return [Thing(thing.name, moved(thing.pieces), moved(thing.cuts)) for thing in things]
 
 
-def _grams(mesh: SurfaceMesh) -> str:
-    mass = mesh.volume * LIBRARY["PLA"].density
-    return f"{mass:.0f}" if mass >= 10.0 else f"{mass:.2g}"
-
-
 def _left_out(held: Held, matrix: Floats) -> list[str]:
     """A sentence for each piece that is no material."""
     said = [f"left out {aside.words(matrix)}" for aside in held.asides[:MOST_SAID]]
@@ -187,7 +186,7 @@ def _left_out(held: Held, matrix: Floats) -> list[str]:
     return [*said, *([f"left out {more} more that are not printed"] if more else [])]
 
 
-def _held(file: Path) -> Held:
+def _checked_content(file: Path) -> Held:
     """What a file holds, in its units; at least one piece, with faces."""
     suffix = file.suffix.lower().lstrip(".")
     if not file.name.isprintable():
@@ -197,7 +196,7 @@ def _held(file: Path) -> Held:
             f"{file.name}: cannot read {_kind(suffix)}; open it in the program it was made with (a STEP file in FreeCAD or a slicer) and "
             f"export it as {', '.join(FORMATS)}"
         )
-    content = _tidied(_content(file), suffix)
+    content = _normalised_text(_content(file), suffix)
     if suffix != "3mf":
         check_claims(file.name, content, suffix)
     held = _parsed(file.name, content, suffix)
@@ -215,15 +214,6 @@ def _held(file: Path) -> Held:
         if len(faces) and (faces.min() < 0 or faces.max() >= len(vertices)):
             raise BadInput(f"{file.name} has faces with vertices that are not there: it is damaged or was cut off; export it again")
     return held
-
-
-def _of_the_file(name: str, unit: str) -> float:
-    """Millimetres of the unit that a file names; BadInput for one that nobody knows."""
-    try:
-        return millimetres(unit)
-    except BadInput as error:
-        odd = f"{name} is in {unit[:40]!r}, a unit that 3MF does not have"
-        raise BadInput(f"{odd}: export it again, or say its unit with --unit") from error
 
 
 def _kind(suffix: str) -> str:
@@ -256,7 +246,7 @@ def _content(file: Path) -> bytes:
     return content
 
 
-def _tidied(content: bytes, suffix: str) -> bytes:
+def _normalised_text(content: bytes, suffix: str) -> bytes:
     """Text as trimesh reads it, which is stricter than the formats are; other files as they are."""
     if suffix in {"3mf", "glb"} or b"\0" in content:
         return content
@@ -281,8 +271,8 @@ def _parsed(name: str, content: bytes, suffix: str) -> Held:
             return read_threemf(content)
         if suffix == "glb":
             content, notes = plain(content)
-        if suffix == "stl":
-            content, notes = _without_tail(content)
+        if suffix == "stl" and 0 < (whole := stl_length(content)) < len(content):
+            content, notes = content[:whole], (f"left out {len(content) - whole} bytes after its last triangle",)
     except Beyond as error:
         raise BadInput(f"{name} {error}") from error
     except DAMAGED as error:
@@ -324,14 +314,6 @@ def _damaged(name: str, suffix: str) -> BadInput:
     return BadInput(f"{name} cannot be read as {suffix.upper()}: it is damaged, was cut off, or is something else; export it again")
 
 
-def _without_tail(content: bytes) -> tuple[bytes, tuple[str, ...]]:
-    """A binary STL without what follows its triangles, and a sentence if there was something; other files as they are."""
-    whole = stl_length(content)
-    if not whole or len(content) <= whole:
-        return content, ()
-    return content[:whole], (f"left out {len(content) - whole} bytes after its last triangle",)
-
-
 def _is_coloured(content: bytes, suffix: str) -> bool:
     """Whether an STL, OBJ or PLY file holds colours."""
     if suffix == "ply":
@@ -366,7 +348,7 @@ def _check_size(name: str, vertices: Floats, factor: float) -> None:
     raise BadInput(f"{known}: {hint} how long it is to be, such as --size 120 for 120 mm")
 
 
-def _ask(name: str, mesh: SurfaceMesh, factor: float) -> None:
+def _check_plausible(name: str, mesh: SurfaceMesh, factor: float) -> None:
     """Refuse a part that can be printed hardly, if another unit makes a usual one of it; who means it so says its unit.
 
     Args:
@@ -381,12 +363,12 @@ def _ask(name: str, mesh: SurfaceMesh, factor: float) -> None:
     for unit, other in UNITS.items():
         times = other / factor
         if times > 1.0 and SMALL <= longest * times <= LARGEST and wall * times >= THIN:
-            fitting.append(f"--unit {unit} ({sides(mesh.vertices * times)})")
+            fitting.append(f"--unit {unit} ({size_words(mesh.vertices * times)})")
     own = next((unit for unit, other in UNITS.items() if other == factor), "")
     thin = f" with walls of {wall:.2g} mm all over" if wall < THIN else ""
     so = f"--unit {own} if it is so small" if own else f"--scale {factor:g} if it is so small"
     raise BadInput(
-        f"{name} would be {sides(mesh.vertices)}{thin}, which hardly anybody prints: say its unit, {', '.join([*fitting, so])}, "
+        f"{name} would be {size_words(mesh.vertices)}{thin}, which hardly anybody prints: say its unit, {', '.join([*fitting, so])}, "
         "or how long it is to be, such as --size 120"
     )
 
@@ -412,10 +394,11 @@ def save(mesh: SurfaceMesh, path: str | Path, *, name: str = "", fields: Mapping
     if fields:
         check_holds_fields(file)
     called = name or getattr(mesh, "name", "") or "part"
-    try:
-        write_aside(file, _content_of(mesh, suffix, called, fields, sheen))
-    except OSError as error:
-        raise _no_room(file, error) from error
+    if suffix == "3mf":
+        content = threemf_bytes(mesh, called)
+    else:
+        content = glb_bytes(mesh, called, fields, sheen) if suffix == "glb" else _exported(mesh, suffix, fields)
+    write_file(file, content)
     return file
 
 
@@ -424,11 +407,7 @@ def write_file(path: Path, content: bytes) -> None:
     try:
         write_aside(path, content)
     except OSError as error:
-        raise _no_room(path, error) from error
-
-
-def _no_room(file: Path, error: OSError) -> BadInput:
-    return BadInput(f"cannot write {file}: {error.strerror}; choose another place, or make room")
+        raise BadInput(f"cannot write {path}: {error.strerror}; choose another place, or make room") from error
 
 
 def check_holds_fields(path: str | Path) -> None:
@@ -436,12 +415,6 @@ def check_holds_fields(path: str | Path) -> None:
     suffix = Path(path).suffix.lower().lstrip(".")
     if suffix not in MEASURED:
         raise BadInput(f"{Path(path).name}: {suffix.upper()} holds no fields; use {' or '.join(MEASURED)}, or leave the fields out")
-
-
-def _content_of(mesh: SurfaceMesh, suffix: str, name: str, fields: Mapping[str, Field], sheen: Sheen) -> bytes:
-    if suffix == "3mf":
-        return threemf_bytes(mesh, name)
-    return glb_bytes(mesh, name, fields, sheen) if suffix == "glb" else _exported(mesh, suffix, fields)
 
 
 def _exported(mesh: SurfaceMesh, suffix: str, fields: Mapping[str, Field]) -> bytes:

@@ -1,4 +1,7 @@
-"""Inside and outside of a hollow part: where a ball is shut in, and where one side ends and the other begins."""
+"""Inside and outside of a hollow part: where a ball is shut in, and where one side ends and the other begins.
+
+Also how much of the sky above it each place of a standing part sees.
+"""
 
 from __future__ import annotations
 
@@ -15,9 +18,9 @@ from scipy.sparse.linalg import splu
 from scipy.spatial import cKDTree
 
 from mechstyle._warp import wp
-from mechstyle.geometry.kernels import count_escapes, count_narrow
+from mechstyle.geometry.kernels import count_escapes, count_narrow, gather_light
 from mechstyle.geometry.proximity import TriangleTree
-from mechstyle.records.mesh import Bools, Floats, SurfaceMesh
+from mechstyle.records.mesh import Bools, Floats, SurfaceMesh, on_floor
 
 RAYS = 128
 HIDDEN, OPEN = 0.51, 0.97
@@ -63,17 +66,8 @@ def is_inside(mesh: SurfaceMesh, *, device: str = "cpu") -> NDArray[np.bool_]:
         mesh: A closed surface; one of the same vertices and faces as a few before is not asked again.
         device: Warp device.
     """
-    inside = _known.get(mesh.digest)
-    if inside is None:
-        inside = _told_apart(mesh, device)
-        while len(_known) >= KEPT:
-            _known.pop(next(iter(_known)), None)
-        _known[mesh.digest] = inside
-    return inside
-
-
-def _told_apart(mesh: SurfaceMesh, device: str) -> NDArray[np.bool_]:
-    """Whether each vertex is inside, shape [vertex_count]; write-protected."""
+    if mesh.digest in _known:
+        return _known[mesh.digest]
     sky = openness(mesh, device=device)
     reached, shut, free = _by_ball(mesh, device)
     inside = (shut & (sky <= OPEN)) | (~reached & (sky < HIDDEN))
@@ -81,6 +75,9 @@ def _told_apart(mesh: SurfaceMesh, device: str) -> NDArray[np.bool_]:
     if inside.any() and outside.any():
         inside = _without_specks(mesh, _walked(mesh, inside, outside) > 0.5)
     inside.setflags(write=False)
+    while len(_known) >= KEPT:
+        _known.pop(next(iter(_known)), None)
+    _known[mesh.digest] = inside
     return inside
 
 
@@ -199,18 +196,24 @@ def escaping(tree: TriangleTree, points: Floats, normals: Floats, skin: float, r
         reach: How long they are [mm].
     """
     towards: Any = wp.array(normals.astype(np.float32), dtype=wp.vec3, device=tree.device)
-    rays: Any = wp.array(_cosine_directions(RAYS), dtype=wp.vec3, device=tree.device)
+    rays: Any = wp.array(_directions(RAYS, cosine=True).astype(np.float32), dtype=wp.vec3, device=tree.device)
     escaped: Any = wp.empty(len(points), dtype=wp.int32, device=tree.device)
     inputs = [tree.id, tree.points(points), towards, rays, skin, reach, escaped]
     wp.launch(count_escapes, dim=len(points), inputs=inputs, device=tree.device)
     return np.asarray(escaped.numpy() / RAYS, dtype=np.float64)
 
 
-def _cosine_directions(count: int) -> NDArray[np.float32]:
-    """Unit vectors about z as dense as the cosine of their angle to it: a Fibonacci spiral on the disc, lifted to the hemisphere."""
+def _directions(count: int, *, cosine: bool) -> Floats:
+    """Unit vectors with z > 0 on a Fibonacci spiral, each for the same solid angle, or as dense as their z; shape [count, 3]."""
     k = np.arange(count) + 0.5
-    radius, angle = np.sqrt(k / count), np.pi * (3.0 - np.sqrt(5.0)) * k
-    return np.column_stack([radius * np.cos(angle), radius * np.sin(angle), np.sqrt(1.0 - radius**2)]).astype(np.float32)
+    angle = np.pi * (3.0 - np.sqrt(5.0)) * k
+    if cosine:
+        radius = np.sqrt(k / count)
+        height = np.sqrt(1.0 - radius**2)
+    else:
+        height = k / count
+        radius = np.sqrt(1.0 - height**2)
+    return np.column_stack([radius * np.cos(angle), radius * np.sin(angle), height])
 
 
 def _walked(mesh: SurfaceMesh, ones: NDArray[np.bool_], zeros: NDArray[np.bool_]) -> Floats:
@@ -236,3 +239,27 @@ def _without_specks(mesh: SurfaceMesh, inside: NDArray[np.bool_]) -> NDArray[np.
     piece = connected_components(graph, directed=False)[1]
     areas = np.bincount(piece, mesh.vertex_areas)
     return np.asarray(inside ^ (areas < LEAST_SHARE * areas.sum())[piece])
+
+
+def sky_seen(surface: SurfaceMesh, *, directions: int = 64, device: str = "cpu") -> NDArray[np.float32]:
+    """Share of the sky that each vertex sees from above the floor, in [0, 1], shape [vertex_count].
+
+    It is the light of an even sky that falls on a vertex, over that on a horizontal face in the open. A free vertical wall has one half.
+    The floor gives no light. Vertices that rest on it see nothing, and at the rim of a resting face its share of the area counts as 0.
+
+    Args:
+        surface: A closed surface, z up, as it stands on the floor.
+        directions: Number of directions the sky is divided into.
+        device: Warp device.
+    """
+    sky, count = _directions(directions, cosine=False), len(surface.vertices)
+    tree = TriangleTree(surface.vertices, surface.faces, device)
+    normals: Any = wp.array(surface.vertex_normals.astype(np.float32), dtype=wp.vec3, device=device)
+    rays: Any = wp.array(sky.astype(np.float32), dtype=wp.vec3, device=device)
+    light: Any = wp.empty(count, dtype=wp.float32, device=device)
+    inputs = [tree.id, tree.points(surface.vertices), normals, rays, 1e-4 * surface.size, 2.0 * surface.size, light]
+    wp.launch(gather_light, dim=count, inputs=inputs, device=device)
+    areas = np.where(on_floor(surface), surface.face_areas, 0.0)
+    rests = np.bincount(surface.faces.ravel(), np.repeat(areas / 3.0, 3), count)
+    on_the_floor = np.minimum(np.divide(rests, surface.vertex_areas, out=np.zeros(count), where=rests > 0.0), 1.0)
+    return np.asarray(np.clip(light.numpy() / sky[:, 2].sum(), 0.0, 1.0) * (1.0 - on_the_floor), dtype=np.float32)

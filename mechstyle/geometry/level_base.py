@@ -49,7 +49,7 @@ class FlatFace:
 
         Minus infinity where no shift leaves enough of the face level.
         """
-        quantiles = (_quantile(relief, self.weights, quantile) for quantile in QUANTILES)
+        quantiles = (_weighted_quantile(relief, self.weights, quantile) for quantile in QUANTILES)
         highest = next(quantiles)
         for shift in chain((max(highest, 0.0), highest), quantiles):
             if self.share(relief - self.resting * shift >= 0.0) >= LEAST_SHARE:
@@ -145,7 +145,7 @@ def flat_faces(surface: SurfaceMesh) -> tuple[FlatFace, ...]:
     return tuple(found)
 
 
-def _quantile(values: Floats, weights: Floats, quantile: float) -> float:
+def _weighted_quantile(values: Floats, weights: Floats, quantile: float) -> float:
     """The smallest value that, with all below it, holds this share of the weight; values of no weight do not count."""
     counted = weights > 0.0
     order = np.argsort(values[counted], kind="stable")

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from mechstyle.errors import BadInput
-from mechstyle.geometry.pieces import Piece, Thing, called, sides
+from mechstyle.geometry.pieces import Piece, Thing, quoted_name, size_words
 from mechstyle.geometry.remeshing.evening import surface_of
 from mechstyle.geometry.repair import HAIRLINE, counted, host_of, inside_out, overlaps_of, solids_of
 from mechstyle.records.mesh import Floats, SurfaceMesh
@@ -52,7 +52,7 @@ class Body(NamedTuple):
     @property
     def words(self) -> str:
         """Number, name, size and copies."""
-        name = f" {called(self.name)}" if self.name else ""
+        name = f" {quoted_name(self.name)}" if self.name else ""
         return f"{self.number}{name} ({_size(self.solid)}{f', {self.copies} times' if self.copies > 1 else ''})"
 
 
@@ -86,7 +86,13 @@ def bodies_of(things: Sequence[Thing], name: str, notes: list[str]) -> list[Body
     if len(solids) == 1 and not any(thing.cuts for thing in things):  # what is cut may fall apart
         return [_body(1, _one_name(things), [solids[0]])]
     pieces = [piece for thing in things for piece in thing.pieces]
-    parts = _touching(_parts(solids))
+    # The separate bodies of their union, each with its cavities, largest first.
+    shells = manifold3d.Manifold.batch_boolean(solids, manifold3d.OpType.Add).decompose()
+    apart = sorted((shell for shell in shells if shell.volume() > 0), key=lambda part: -part.volume())
+    for cavity in (inside_out(shell) for shell in shells if shell.volume() < 0):
+        if (host := host_of(cavity, apart)) is not None:
+            apart[host] -= cavity
+    parts = _touching_united(apart)
     if (made := len(solids) - len(parts)) > 0:
         names = list(dict.fromkeys(piece.name for piece in pieces if piece.name))
         notes.append(f"united {len(solids) if len(parts) == 1 else made + 1} overlapping bodies{_among(names)}")
@@ -97,7 +103,7 @@ def bodies_of(things: Sequence[Thing], name: str, notes: list[str]) -> list[Body
 
 
 def _among(names: list[str]) -> str:
-    return f" ({_listed([called(name) for name in names])})" if len(names) > 1 else ""
+    return f" ({_listed([quoted_name(name) for name in names])})" if len(names) > 1 else ""
 
 
 def _listed(words: Sequence[str]) -> str:
@@ -115,14 +121,14 @@ def _chosen(found: list[Body], name: str, body: str) -> Body:
     fitting = by_name or [one for one in found if str(one.number) == wanted]
     listed = _listed([one.words for one in found])
     if not wanted and len(found) > 1:
-        example = called(found[0].name) if found[0].name else found[0].number
+        example = quoted_name(found[0].name) if found[0].name else found[0].number
         raise BadInput(
             f"{name} holds {len(found)} separate bodies, {listed}: a drop test needs one; choose it with --body {example}, or join them"
         )
     if len(fitting) > 1:
-        raise BadInput(f"{name} holds {len(fitting)} bodies of the name {called(body)}: choose one by its number, of {listed}")
+        raise BadInput(f"{name} holds {len(fitting)} bodies of the name {quoted_name(body)}: choose one by its number, of {listed}")
     if wanted and not fitting:
-        raise BadInput(f"{name} holds no body {called(body)}: it has {listed}")
+        raise BadInput(f"{name} holds no body {quoted_name(body)}: it has {listed}")
     return fitting[0] if fitting else found[0]
 
 
@@ -135,10 +141,10 @@ def _solids(thing: Thing, name: str, notes: list[str]) -> list[Any]:
     vertices, faces = joined(thing.pieces)
     solids = solids_of(vertices, faces, name, done)
     for cut in thing.cuts:
-        tools = solids_of(cut.vertices, cut.faces, f"the negative volume {called(cut.name)} in {name}", done)
+        tools = solids_of(cut.vertices, cut.faces, f"the negative volume {quoted_name(cut.name)} in {name}", done)
         tool = manifold3d.Manifold.batch_boolean(tools, manifold3d.OpType.Add)
         solids = [left for solid in solids if not (left := solid - tool).is_empty()]
-        done.append(f"cut out the negative volume{f' {called(cut.name)}' if cut.name else ''} of {sides(cut.corners)}")
+        done.append(f"cut out the negative volume{f' {quoted_name(cut.name)}' if cut.name else ''} of {size_words(cut.corners)}")
         if not solids:
             raise BadInput(f"{name} has nothing left where its negative volumes are cut out: make them smaller, and save it again")
     notes += [note for note in done if note not in notes]
@@ -155,20 +161,7 @@ def joined(pieces: Sequence[Piece]) -> tuple[Floats, NDArray[np.int64]]:
 # --- apart or together --------------------------------------------------------------------------------------------
 
 
-def _parts(solids: list[Any]) -> list[Any]:
-    """The separate bodies of the union of solids, each with its cavities, largest first."""
-    shells = manifold3d.Manifold.batch_boolean(solids, manifold3d.OpType.Add).decompose()
-    parts = sorted((shell for shell in shells if shell.volume() > 0), key=lambda part: -part.volume())
-    for shell in shells:
-        if shell.volume() < 0:
-            cavity = inside_out(shell)
-            host = host_of(cavity, parts)
-            if host is not None:
-                parts[host] -= cavity
-    return parts
-
-
-def _touching(parts: list[Any]) -> list[Any]:
+def _touching_united(parts: list[Any]) -> list[Any]:
     """The same with those united that touch: between coordinates that were rounded they may lie apart by less than a hairline."""
     reach = HAIRLINE * float(np.linalg.norm(np.ptp(_boxes(parts).reshape(-1, 3), axis=0)))
     apart, whole = parts[::-1], list[Any]()
@@ -281,4 +274,4 @@ def _frame(a: Floats, b: Floats) -> Floats:
 
 
 def _size(solid: Any) -> str:
-    return sides(_boxes([solid])[0])
+    return size_words(_boxes([solid])[0])

@@ -64,7 +64,7 @@ class Aside(NamedTuple):
 
     def words(self, matrix: Floats) -> str:
         """Its name, role and size, turned and scaled to mm by a matrix for columns, shape [3, 3]."""
-        return f"{called(self.piece.name) + ', ' if self.piece.name else ''}{self.kind} of {sides(self.piece.corners @ matrix.T)}"
+        return f"{quoted_name(self.piece.name) + ', ' if self.piece.name else ''}{self.kind} of {size_words(self.piece.corners @ matrix.T)}"
 
     @property
     def kind(self) -> str:
@@ -88,12 +88,12 @@ class Held(NamedTuple):
     notes: tuple[str, ...] = ()
 
 
-def called(name: str) -> str:
+def quoted_name(name: str) -> str:
     """A name of a file as a sentence quotes it: short, and without signs that are none."""
     plain = "".join(sign for sign in name if sign.isprintable()).strip()
     return f"'{plain[:40]}…'" if len(plain) > 41 else f"'{plain}'"
 
 
-def sides(points: Floats) -> str:
+def size_words(points: Floats) -> str:
     """The box around points [mm] in words, shape [n, 3]."""
     return " × ".join(f"{side:.2g}" if side < 1.0 else f"{round(side, 1):g}" for side in np.ptp(points, axis=0).tolist()) + " mm"

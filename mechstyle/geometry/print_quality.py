@@ -149,7 +149,7 @@ def untangled(surface: SurfaceMesh, relief: Field, go_on: CancelCheck = never_ca
         tangled[other[other >= 0]] = True
         if not tangled.any():
             break
-        near = _means(surface) if near is None else near
+        near = _neighbourhood_mean(surface) if near is None else near
         taken = np.zeros(len(relief), np.float32)
         taken[surface.faces[tangled]] = TAKEN
         for _ in range(SPREAD):
@@ -158,7 +158,7 @@ def untangled(surface: SurfaceMesh, relief: Field, go_on: CancelCheck = never_ca
     return np.asarray(relief * share, np.float32)
 
 
-def _means(surface: SurfaceMesh) -> Any:
+def _neighbourhood_mean(surface: SurfaceMesh) -> Any:
     """Takes the mean over a vertex and those next to it, sparse, shape [vertex_count, vertex_count]."""
     count, ends = len(surface.vertices), surface.edges
     joined: NDArray[np.int64] = np.concatenate([ends, ends[:, ::-1], np.repeat(np.arange(count)[:, None], 2, axis=1)])

@@ -81,40 +81,34 @@ def selected(region: Region, surface: SurfaceMesh, thickness: ArrayLike) -> NDAr
     Raises:
         BadInput: If it holds no vertex.
     """
-    chosen = _selected(region, surface, thickness)
+    points = surface.vertices
+    chosen: NDArray[np.bool_]
+    if isinstance(region, Shape | End):
+        chosen = region.contains(points)
+    elif isinstance(region, Inside | Outside):
+        chosen = is_inside(surface) ^ isinstance(region, Outside)
+    elif isinstance(region, Sides):
+        chosen = np.asarray(np.abs(surface.vertex_normals[:, 2]) < UPRIGHT)
+    elif isinstance(region, Holes):
+        hole = in_hole(surface, region.width or HOLE * surface.size)
+        chosen = _way(surface, np.flatnonzero(hole), AROUND * surface.size) < np.inf
+    elif isinstance(region, Rim):
+        border = np.diff(is_inside(surface)[surface.edges], axis=1)[:, 0]
+        chosen = _way(surface, np.unique(surface.edges[border]), region.width or RIM * surface.size) < np.inf
+    elif isinstance(region, Segment):
+        labels = segments(surface, thickness)
+        near = TriangleTree(points, surface.faces).nearest([region.point])
+        chosen = labels == labels[surface.faces[near.face[0], near.weights[0].argmax()]]
+    else:
+        if max(region.indices) >= len(points):
+            last = len(points) - 1
+            raise BadInput(f"vertex {max(region.indices)} cannot be protected: the standardised surface has vertices 0 to {last}")
+        chosen = np.zeros(len(points), bool)
+        chosen[list(region.indices)] = True
     if not chosen.any():
         low, high = (" ".join(f"{x:g}" for x in np.round(f(axis=0), 1)) for f in (surface.vertices.min, surface.vertices.max))
         raise BadInput(f"the region {region.words!r} holds nothing of this part, which reaches from {low} to {high} mm")
     return chosen
-
-
-def _selected(region: Region, surface: SurfaceMesh, thickness: ArrayLike) -> NDArray[np.bool_]:
-    points = surface.vertices
-    if isinstance(region, Shape | End):
-        return region.contains(points)
-    if isinstance(region, Inside | Outside):
-        return is_inside(surface) ^ isinstance(region, Outside)
-    if isinstance(region, Sides):
-        return np.asarray(np.abs(surface.vertex_normals[:, 2]) < UPRIGHT)
-    if isinstance(region, Rim | Holes):
-        return _at_openings(region, surface)
-    if isinstance(region, Segment):
-        labels = segments(surface, thickness)
-        near = TriangleTree(points, surface.faces).nearest([region.point])
-        return labels == labels[surface.faces[near.face[0], near.weights[0].argmax()]]
-    if max(region.indices) >= len(points):
-        raise BadInput(f"vertex {max(region.indices)} cannot be protected: the standardised surface has vertices 0 to {len(points) - 1}")
-    chosen = np.zeros(len(points), bool)
-    chosen[list(region.indices)] = True
-    return chosen
-
-
-def _at_openings(region: Rim | Holes, surface: SurfaceMesh) -> NDArray[np.bool_]:
-    if isinstance(region, Holes):
-        hole = in_hole(surface, region.width or HOLE * surface.size)
-        return _way(surface, np.flatnonzero(hole), AROUND * surface.size) < np.inf
-    border = np.diff(is_inside(surface)[surface.edges], axis=1)[:, 0]
-    return _way(surface, np.unique(surface.edges[border]), region.width or RIM * surface.size) < np.inf
 
 
 def faded(surface: SurfaceMesh, chosen: NDArray[np.bool_], ramp: float) -> Floats:

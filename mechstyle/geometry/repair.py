@@ -13,6 +13,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from mechstyle.errors import BadInput, SimulationFailed
+from mechstyle.geometry.bodies import without_unused
 from mechstyle.geometry.inside_outside import SKIN, escaping
 from mechstyle.geometry.proximity import TriangleTree
 from mechstyle.geometry.remeshing.crossings import overlaps
@@ -53,7 +54,8 @@ def solids_of(vertices: Floats, faces: NDArray[np.int64], name: str, notes: list
     surface = _welded(vertices, faces, notes)
     if not len(surface.faces):
         raise BadInput(f"{name} holds no triangle with an area: export it again from the program it was made with")
-    if _is_flat(surface):
+    spread = np.linalg.svd(surface.vertices - surface.vertices.mean(axis=0), compute_uv=False) / np.sqrt(len(surface.vertices))
+    if spread[-1] < FLATTEST:  # all its vertices lie in a plane, or nearly
         raise BadInput(f"{name} is flat and encloses no volume: give it a thickness, and export it again")
     return _solids(_closed(surface, name, notes), name, notes)
 
@@ -106,19 +108,7 @@ def _without_repeats(surface: SurfaceMesh, key: NDArray[Any]) -> SurfaceMesh:
     once = np.sort(np.unique(key, axis=0, return_index=True)[1])
     faces = surface.faces[once]
     a, b, c = faces.T
-    return _of(surface.vertices, faces[(a != b) & (b != c) & (c != a)])
-
-
-def _of(vertices: Floats, faces: NDArray[Any]) -> SurfaceMesh:
-    """A surface of the vertices that the faces use."""
-    used, index = np.unique(faces, return_inverse=True)
-    return SurfaceMesh(vertices[used], index.reshape(-1, 3).astype(np.int32))
-
-
-def _is_flat(surface: SurfaceMesh) -> bool:
-    """Whether all vertices lie in a plane, or nearly."""
-    spread = np.linalg.svd(surface.vertices - surface.vertices.mean(axis=0), compute_uv=False) / np.sqrt(len(surface.vertices))
-    return bool(spread[-1] < FLATTEST)
+    return without_unused(surface.vertices, faces[(a != b) & (b != c) & (c != a)])
 
 
 def _closed(surface: SurfaceMesh, name: str, notes: list[str]) -> Any:
@@ -204,7 +194,12 @@ def _emptied(surface: SurfaceMesh, _name: str, notes: list[str]) -> SurfaceMesh:
     They end where an edge has not two faces, and from neither side of them a ray gets out. One after the other is tried, the smallest
     first, so that of the wall across a cavity not the cavity is taken; then all at once, as of walls that cross.
     """
-    patch, sizes = _patches(surface)
+    # A piece of surface is what edges of two faces connect.
+    edge, count = _edges_of(surface)
+    order = np.argsort(edge, kind="stable")
+    pairs = order[np.flatnonzero(count[edge[order]] == 2)].reshape(-1, 2) // 3
+    patch = _linked(pairs, len(surface.faces)).astype(np.int32)
+    sizes = np.bincount(patch, surface.face_areas).astype(np.float64)
     hidden = [number for number in np.argsort(sizes) if number in _inner(surface, patch)]
     dropped: set[int] = set()
     for tried in ({number} for number in hidden):
@@ -215,16 +210,7 @@ def _emptied(surface: SurfaceMesh, _name: str, notes: list[str]) -> SurfaceMesh:
     if not dropped:
         return surface
     notes.append(f"dropped {counted(len(dropped), 'sheet', 'sheets')} without thickness inside it")
-    return _of(surface.vertices, surface.faces[~np.isin(patch, list(dropped))])
-
-
-def _patches(surface: SurfaceMesh) -> tuple[NDArray[np.int32], Floats]:
-    """The piece of surface of each face that edges of two faces connect, shape [face_count], and the area of each piece [mm²]."""
-    edge, count = _edges_of(surface)
-    order = np.argsort(edge, kind="stable")
-    pairs = order[np.flatnonzero(count[edge[order]] == 2)].reshape(-1, 2) // 3
-    patch = _linked(pairs, len(surface.faces)).astype(np.int32)
-    return patch, np.bincount(patch, surface.face_areas).astype(np.float64)
+    return without_unused(surface.vertices, surface.faces[~np.isin(patch, list(dropped))])
 
 
 def _edges_of(surface: SurfaceMesh) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
@@ -310,7 +296,7 @@ def _plugged(surface: SurfaceMesh, name: str, notes: list[str]) -> SurfaceMesh:
     rim, middle = openings.rim[fans], len(surface.vertices) + openings.number[fans]
     notes.append(f"closed {counted(len(round_ones), 'hole', 'holes')} of {_area(openings.areas[round_ones].sum())} in all")
     plugs = np.stack([rim[:, 1], rim[:, 0], middle], axis=1)
-    return _of(np.vstack([surface.vertices, openings.middles]), np.vstack([surface.faces, plugs]))
+    return without_unused(np.vstack([surface.vertices, openings.middles]), np.vstack([surface.faces, plugs]))
 
 
 def _from_inside(surface: SurfaceMesh, name: str, notes: list[str]) -> Any:
@@ -332,7 +318,7 @@ def _boundary(vertices: Floats, tets: NDArray[np.int32]) -> SurfaceMesh:
     """The outer surface of tetrahedra of any orientation."""
     volumes = TetMesh(vertices, tets).volumes
     upright = np.where((volumes < 0)[:, None], tets[:, [0, 2, 1, 3]], tets)
-    return _of(vertices, TetMesh(vertices, upright).boundary_faces)
+    return without_unused(vertices, TetMesh(vertices, upright).boundary_faces)
 
 
 # --- solids -------------------------------------------------------------------------------------------------------

@@ -43,12 +43,27 @@ def subdivided(mesh: SurfaceMesh, parts: int = 2) -> SurfaceMesh:
     weights = np.concatenate([np.full(count, parts), on_edges.ravel(), in_faces.ravel()]) / parts
     matrix = sp.csr_array((weights, (rows, columns)), shape=(total, count))
     inside = first_inside + np.arange(len(in_faces)).reshape(len(mesh.faces), -1)
-    return _with_faces(mesh, matrix, _cut_faces(mesh.faces, _along_edges(mesh.faces, edges, count, parts), inside, parts))
+    # Numbers of the new vertices from each corner of each face on the way to the next, shape [face_count, 3, parts - 1].
+    forth = (mesh.faces < np.roll(mesh.faces, -1, axis=1))[:, :, None]
+    step = np.where(forth, np.arange(parts - 1), np.arange(parts - 1)[::-1])
+    along = count + _edges_of_faces(mesh.faces, edges, count)[:, :, None] * (parts - 1) + step
+    return _interpolated(mesh, matrix, _cut_faces(mesh.faces, along, inside, parts))
 
 
 def halved(mesh: SurfaceMesh, count: int) -> SurfaceMesh:
     """Halve the longest edges, as many as are wanted and do not share a face."""
-    chosen = _longest_apart(mesh, count)
+    length = np.linalg.norm(mesh.vertices[mesh.edges[:, 0]] - mesh.vertices[mesh.edges[:, 1]], axis=1)
+    sides = _edges_of_faces(mesh.faces, mesh.edges, len(mesh.vertices))
+    faces_of = np.argsort(sides.ravel(), kind="stable").reshape(-1, 2) // 3  # closed: every edge bounds two faces
+    taken: Bools = np.zeros(len(mesh.faces), bool)
+    longest: list[int] = []
+    for edge in np.argsort(-length, kind="stable"):
+        if len(longest) == count:
+            break
+        if not taken[faces_of[edge]].any():
+            taken[faces_of[edge]] = True
+            longest.append(int(edge))
+    chosen = np.array(sorted(longest), np.int64)
     edges, total = mesh.edges, len(mesh.vertices)
     ends = edges[chosen]
     rows = np.concatenate([np.arange(total), np.repeat(np.arange(total, total + len(chosen)), 2)])
@@ -62,10 +77,10 @@ def halved(mesh: SurfaceMesh, count: int) -> SurfaceMesh:
         cut = of_face[:, side] >= 0
         (a, b, c), half = np.roll(mesh.faces[cut], -side, axis=1).T, of_face[cut, side]
         faces += [np.stack([a, half, c], axis=1), np.stack([half, b, c], axis=1)]
-    return _with_faces(mesh, matrix, np.concatenate(faces))
+    return _interpolated(mesh, matrix, np.concatenate(faces))
 
 
-def _with_faces(mesh: SurfaceMesh, matrix: sp.csr_array, faces: NDArray[np.integer]) -> SurfaceMesh:
+def _interpolated(mesh: SurfaceMesh, matrix: sp.csr_array, faces: NDArray[np.integer]) -> SurfaceMesh:
     colours = None if mesh.colours is None else matrix @ mesh.colours
     return SurfaceMesh(matrix @ mesh.vertices, faces.astype(np.int32), colours)
 
@@ -75,29 +90,6 @@ def _edges_of_faces(faces: Indices, edges: NDArray[np.integer], count: int) -> N
     one, other = faces.astype(np.int64), np.roll(faces, -1, axis=1).astype(np.int64)
     names = edges[:, 0].astype(np.int64) * count + edges[:, 1]
     return np.searchsorted(names, np.minimum(one, other) * count + np.maximum(one, other))
-
-
-def _longest_apart(mesh: SurfaceMesh, count: int) -> NDArray[np.int64]:
-    """The longest edges no two of which bound one face, at most `count`."""
-    length = np.linalg.norm(mesh.vertices[mesh.edges[:, 0]] - mesh.vertices[mesh.edges[:, 1]], axis=1)
-    sides = _edges_of_faces(mesh.faces, mesh.edges, len(mesh.vertices))
-    faces_of = np.argsort(sides.ravel(), kind="stable").reshape(-1, 2) // 3  # closed: every edge bounds two faces
-    taken: Bools = np.zeros(len(mesh.faces), bool)
-    chosen: list[int] = []
-    for edge in np.argsort(-length, kind="stable"):
-        if len(chosen) == count:
-            break
-        if not taken[faces_of[edge]].any():
-            taken[faces_of[edge]] = True
-            chosen.append(int(edge))
-    return np.array(sorted(chosen), np.int64)
-
-
-def _along_edges(faces: Indices, edges: NDArray[np.int64], count: int, parts: int) -> NDArray[np.int64]:
-    """Numbers of the new vertices from each corner of each face on the way to the next, shape [face_count, 3, parts - 1]."""
-    forth = (faces < np.roll(faces, -1, axis=1))[:, :, None]
-    step = np.where(forth, np.arange(parts - 1), np.arange(parts - 1)[::-1])
-    return count + _edges_of_faces(faces, edges, count)[:, :, None] * (parts - 1) + step
 
 
 def _cut_faces(faces: Indices, along: NDArray[np.int64], inside: NDArray[np.int64], parts: int) -> NDArray[np.int64]:

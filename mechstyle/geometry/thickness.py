@@ -41,7 +41,7 @@ def local_thickness(mesh: SurfaceMesh, *, separation: float = 100.0, slope: floa
         Thickness [mm], shape [vertex_count]. A ball is at most 10 % too large, because shallower contacts are not searched for.
     """
     balls, _ = _inner_balls(mesh, separation, TriangleTree(mesh.vertices, mesh.faces, device))
-    return balls if math.isinf(slope) else _limited(balls, mesh, slope)
+    return balls if math.isinf(slope) else limited_slope(balls, mesh, slope)
 
 
 def wall_thickness(mesh: SurfaceMesh, tree: TriangleTree | None = None) -> Floats:
@@ -69,8 +69,10 @@ def _inner_balls(mesh: SurfaceMesh, separation: float, tree: TriangleTree) -> tu
     return np.asarray(diameter.numpy(), dtype=np.float64), np.asarray(cosine.numpy(), dtype=np.float64)
 
 
-def _limited(values: Floats, mesh: SurfaceMesh, slope: float) -> Floats:
-    """The largest field below `values` that grows by at most `slope` per way along the edges: min over u of values(u) + slope·way(u, v).
+def limited_slope(values: Floats, mesh: SurfaceMesh, slope: float) -> Floats:
+    """The largest field below values that grows by at most a slope along the edges (Persson 2006), shape [vertex_count].
+
+    It is the minimum over u of values(u) + slope · way(u, v), a lower envelope of cones.
 
     One shortest-path search from an extra node, joined to every vertex by an edge as long as its value.
     """
@@ -99,20 +101,16 @@ def face_width(mesh: SurfaceMesh) -> float:
     A vertex lies in a face as wide as twice its distance from the nearest vertex whose normal is across its own.
     """
     if mesh not in _widths:  # every style on a part asks for it, and it is as much work as drawing one
-        _widths[mesh] = _face_width(mesh)
+        asked = np.unique(np.linspace(0, len(mesh.vertices) - 1, SAMPLES).astype(int))
+        reach = np.empty(len(asked))
+        for number, vertex in enumerate(asked):
+            across = np.abs(mesh.vertex_normals @ mesh.vertex_normals[vertex]) < TURNED
+            reach[number] = np.linalg.norm(mesh.vertices[across] - mesh.vertices[vertex], axis=1).min(initial=np.inf)
+        order = np.argsort(reach)
+        share = np.cumsum(mesh.vertex_areas[asked][order])
+        _widths[mesh] = min(2.0 * float(reach[order][np.searchsorted(share, QUANTILE * share[-1])]), mesh.size)
     return _widths[mesh]
 
 
 _widths: WeakKeyDictionary[SurfaceMesh, float] = WeakKeyDictionary()
 """Those of the parts there are."""
-
-
-def _face_width(mesh: SurfaceMesh) -> float:
-    asked = np.unique(np.linspace(0, len(mesh.vertices) - 1, SAMPLES).astype(int))
-    reach = np.empty(len(asked))
-    for number, vertex in enumerate(asked):
-        across = np.abs(mesh.vertex_normals @ mesh.vertex_normals[vertex]) < TURNED
-        reach[number] = np.linalg.norm(mesh.vertices[across] - mesh.vertices[vertex], axis=1).min(initial=np.inf)
-    order = np.argsort(reach)
-    share = np.cumsum(mesh.vertex_areas[asked][order])
-    return min(2.0 * float(reach[order][np.searchsorted(share, QUANTILE * share[-1])]), mesh.size)

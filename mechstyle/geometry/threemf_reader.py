@@ -20,7 +20,7 @@ import numpy as np
 
 from mechstyle.geometry import claims
 from mechstyle.geometry.claims import Beyond, too_many
-from mechstyle.geometry.pieces import COLOURS_LEFT, Aside, Held, Piece, Thing, called
+from mechstyle.geometry.pieces import COLOURS_LEFT, Aside, Held, Piece, Thing, quoted_name
 from mechstyle.records.mesh import Floats
 
 MOST_MARKS = 16_000_000
@@ -58,7 +58,7 @@ class _Key(NamedTuple):
     number: str
 
 
-class _Use(NamedTuple):
+class _Placement(NamedTuple):
     """An object in a place, shape [4, 4] for columns; an item may be one that is not printed."""
 
     key: _Key
@@ -72,7 +72,7 @@ class _Object:
     def __init__(self, name: str, kind: str, *, coloured: bool) -> None:
         self.name, self.kind, self.coloured = name, kind, coloured
         self.numbers, self.indices = array("d"), array("q")
-        self.components: list[_Use] = []
+        self.components: list[_Placement] = []
         self.shapes: set[str] = set()
 
     def piece(self, name: str, place: Floats) -> Piece:
@@ -98,10 +98,10 @@ class _Volume(NamedTuple):
         word = self.facts.get("volume_type", self.facts.get("subtype", ""))
         if not word and self.facts.get("modifier") == "1":  # as it was written before there were types
             return "modifier"
-        return ROLES.get(word, f"volume of the kind {called(word)}")
+        return ROLES.get(word, f"volume of the kind {quoted_name(word)}")
 
 
-class _Said:
+class _SlicerSettings:
     """What slicers say of objects, by their number: their names, and their volumes."""
 
     def __init__(self) -> None:
@@ -135,9 +135,9 @@ class _Package:
 
     def __init__(self) -> None:
         self.objects: dict[_Key, _Object] = {}
-        self.items: dict[str, list[_Use]] = {}
+        self.items: dict[str, list[_Placement]] = {}
         self.units: dict[str, str] = {}
-        self.said = _Said()
+        self.said = _SlicerSettings()
         self.start = ""
         self._marks = 0
         self._part = ""
@@ -148,7 +148,7 @@ class _Package:
     def read(self, name: str, file: Any) -> None:
         """Read an entry of the package: a model part, settings of a slicer, or where the package begins."""
         self._part, self._object = name, None
-        handle = self._of_model if name.endswith(".model") else self._of_relations if name.endswith(".rels") else self._of_settings
+        handle = self._of_model if name.endswith(".model") else self._of_relations if name.endswith(".rels") else self.said.element
 
         def element(tag: str, attributes: dict[str, str]) -> None:
             self._marks += 1 + len(attributes)
@@ -166,14 +166,11 @@ class _Package:
         if kind == "Relationship" and attributes.get("Type", "").endswith("/3dmodel"):
             self.start = self.start or _path(attributes.get("Target", ""))
 
-    def _of_settings(self, kind: str, attributes: dict[str, str]) -> None:
-        self.said.element(kind, attributes)
-
     def _of_model(self, kind: str, attributes: dict[str, str]) -> None:
         if kind == "object":
             self._begin(attributes)
         elif kind == "item":
-            self.items.setdefault(self._part, []).append(self._use(attributes))
+            self.items.setdefault(self._part, []).append(self._placement(attributes))
         elif kind == "model":
             self.units[self._part] = attributes.get("unit", "millimeter")
         elif kind == "build":
@@ -188,20 +185,21 @@ class _Package:
             thing.indices.extend((int(attributes["v1"]), int(attributes["v2"]), int(attributes["v3"])))
             thing.coloured |= len(attributes) > 3
         elif kind == "component":
-            thing.components.append(self._use(attributes))
+            thing.components.append(self._placement(attributes))
         elif kind in SHAPES:
             thing.shapes.add(SHAPES[kind])
         elif kind in ("metadata", "setting"):
             names = [value for name, value in attributes.items() if name.rpartition(" ")[2] in ("name", "key")]
             self._setting, self._words = (names or [""])[0].rpartition(":")[2], ""
-            self._parser.CharacterDataHandler, self._parser.EndElementHandler = self._word, self._end  # not called for a million others
+            # Not called for a million other elements.
+            self._parser.CharacterDataHandler, self._parser.EndElementHandler = self._word, self._end_of_setting
 
     def _word(self, words: str) -> None:
         """Text between elements; what Cura says of an object is a short word."""
         if len(self._words) < 8:
             self._words += words
 
-    def _end(self, _tag: str) -> None:
+    def _end_of_setting(self, _tag: str) -> None:
         self._parser.CharacterDataHandler = self._parser.EndElementHandler = None
         if self._object is not None:
             word = self._words.strip().lower()
@@ -212,19 +210,19 @@ class _Package:
     def _begin(self, attributes: dict[str, str]) -> None:
         key = _Key(self._part, attributes["id"])
         if key in self.objects:
-            raise Beyond(f"has two objects {called(key.number)} in {key.part}: it is damaged; export it again")
+            raise Beyond(f"has two objects {quoted_name(key.number)} in {key.part}: it is damaged; export it again")
         self._object = _Object(attributes.get("name", ""), attributes.get("type", "model"), coloured="pid" in attributes)
         if any(name.endswith("slicestackid") for name in attributes):
             self._object.shapes.add(SHAPES["slicestack"])
         self.objects[key] = self._object
 
-    def _use(self, attributes: dict[str, str]) -> _Use:
+    def _placement(self, attributes: dict[str, str]) -> _Placement:
         path = next((value for name, value in attributes.items() if name.rpartition(" ")[2] == "path"), "")
         place, words = np.eye(4), attributes.get("transform", "").split()
         if words:
             place[:3] = np.array([float(word) for word in words]).reshape(4, 3).T
         printed = attributes.get("printable", "1").strip().lower() not in ("0", "false")
-        return _Use(_Key(_path(path) if path else self._part, attributes["objectid"]), place, printed)
+        return _Placement(_Key(_path(path) if path else self._part, attributes["objectid"]), place, printed)
 
 
 def _path(target: str) -> str:
@@ -292,14 +290,14 @@ def _built(package: _Package) -> Held:
     for item in package.items.get(start, ()):
         leaves = list(_leaves(package, item.key, item.place, count))
         body = package.objects[item.key]
-        whole = ROLES.get(body.kind, f"object of the type {called(body.kind)}") if item.printed else "object that is not to be printed"
+        whole = ROLES.get(body.kind, f"object of the type {quoted_name(body.kind)}") if item.printed else "object that is not to be printed"
         if whole:
             asides += [Aside(whole, leaf.piece) for leaf in leaves]
             continue
         asides += [Aside(leaf.role, leaf.piece) for leaf in leaves if leaf.role not in (MATERIAL, NEGATIVE)]
         _sort_in(leaves, package.said.names.get(item.key.number, "") or body.name, things, asides)
     if not things:
-        raise Beyond(_nothing(package, start, asides))
+        raise Beyond(_why_empty(package, start, asides))
     coloured = package.said.coloured or any(one.coloured for one in package.objects.values())
     notes: tuple[str, ...] = (COLOURS_LEFT,) if coloured else ()
     lattices = sorted({shape for one in package.objects.values() if one.indices for shape in one.shapes})
@@ -329,10 +327,10 @@ def _sort_in(leaves: list[_Leaf], name: str, things: list[Thing], asides: list[A
             asides += [Aside(NEGATIVE, piece) for piece in cuts]
 
 
-def _nothing(package: _Package, start: str, asides: list[Aside]) -> str:
+def _why_empty(package: _Package, start: str, asides: list[Aside]) -> str:
     """Why nothing of a package is printed."""
     if asides:
-        named = "; ".join(f"{called(aside.piece.name) if aside.piece.name else 'it'} is {aside.kind}" for aside in asides[:3])
+        named = "; ".join(f"{quoted_name(aside.piece.name) if aside.piece.name else 'it'} is {aside.kind}" for aside in asides[:3])
         named += "; …" if len(asides) > 3 else ""
         return f"holds nothing that is printed ({named}): make a part of it in the slicer, and save it again"
     if not package.items.get(start):
@@ -340,7 +338,7 @@ def _nothing(package: _Package, start: str, asides: list[Aside]) -> str:
     shapes = [(one.name, shape) for one in package.objects.values() for shape in sorted(one.shapes)]
     if shapes:
         name, shape = shapes[0]
-        return f"holds {called(name) + ' as ' if name else ''}{shape}, and no triangles: export it as a mesh"
+        return f"holds {quoted_name(name) + ' as ' if name else ''}{shape}, and no triangles: export it as a mesh"
     return "holds no triangles: its objects are empty; export it again"
 
 
@@ -382,7 +380,7 @@ def _leaves(
     for index, use in enumerate(body.components):
         below = _of(package, use.key)
         its_name, its_role = _role_of(parts, index, numbers)
-        if not (parts and _known(parts, index, numbers)):
+        if not (parts and _is_listed(parts, index, numbers)):
             its_role = ROLES.get(below.kind, MATERIAL)
         there = place @ use.place @ _in_unit_of(package, key.part, use.key.part)
         yield from _leaves(package, use.key, there, count, name or its_name, role or its_role, owner, (*above, key))
@@ -394,7 +392,7 @@ def _in_unit_of(package: _Package, part: str, other: str) -> Floats:
     return np.diag([there / here] * 3 + [1.0]) if here and there else np.eye(4)
 
 
-def _known(parts: list[_Volume], place: int, numbers: list[str]) -> bool:
+def _is_listed(parts: list[_Volume], place: int, numbers: list[str]) -> bool:
     return [part.number for part in parts] == numbers or any(part.number == numbers[place] for part in parts)
 
 
@@ -423,7 +421,8 @@ def _stretches(body: _Object, place: Floats, ranges: list[_Volume], count: _Coun
 
 def _of(package: _Package, key: _Key) -> _Object:
     if key.part not in package.units:
-        raise Beyond(f"lacks {called(key.part)}, of which its part is made: it is incomplete; export it again")
+        raise Beyond(f"lacks {quoted_name(key.part)}, of which its part is made: it is incomplete; export it again")
     if key not in package.objects:
-        raise Beyond(f"lacks the object {called(key.number)} in {key.part}, of which its part is made: it is incomplete; export it again")
+        what = f"the object {quoted_name(key.number)} in {key.part}"
+        raise Beyond(f"lacks {what}, of which its part is made: it is incomplete; export it again")
     return package.objects[key]

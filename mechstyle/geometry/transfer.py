@@ -64,7 +64,9 @@ class Transfer:
         if method == "barycentric":
             self._matrix = TriangleTree(tets.vertices, tets.boundary_faces, device).interpolation(surface.vertices)
         else:
-            self._matrix = _nearest_in_unit_box(surface, tets)
+            outer, count = np.unique(tets.boundary_faces), len(surface.vertices)
+            nearest = cKDTree(_in_unit_box(tets.vertices[outer])).query(_in_unit_box(surface.vertices))[1]
+            self._matrix = sp.csr_array((np.ones(count), outer[nearest], np.arange(count + 1)), shape=(count, len(tets.vertices)))
 
     def to_surface(self, values: ArrayLike) -> Floats:
         """Values at the surface vertices, shape [n], from values at the tetrahedra's vertices, shape [k].
@@ -76,14 +78,6 @@ class Transfer:
         if known.shape != self._matrix.shape[1:]:
             raise BadInput(f"{known.shape} values cannot go to the surface: there must be one for each of {self._matrix.shape[1]} vertices")
         return np.asarray(self._matrix @ known)
-
-
-def _nearest_in_unit_box(surface: SurfaceMesh, tets: TetMesh) -> sp.csr_array:
-    """Sparse matrix with one entry of 1 per surface vertex, at the boundary vertex nearest to it once both fill the unit box."""
-    outer = np.unique(tets.boundary_faces)
-    _, nearest = cKDTree(_in_unit_box(tets.vertices[outer])).query(_in_unit_box(surface.vertices))
-    count = len(surface.vertices)
-    return sp.csr_array((np.ones(count), outer[nearest], np.arange(count + 1)), shape=(count, len(tets.vertices)))
 
 
 def _in_unit_box(positions: Floats) -> Floats:

@@ -21,14 +21,16 @@ from mechstyle._colour import linear_to_srgb
 from mechstyle.errors import BadInput
 from mechstyle.pictures.camera import Camera
 from mechstyle.pictures.colormap import STRIPE, Scale, hatch
-from mechstyle.pictures.raster.visibility import visible
 from mechstyle.pictures.scene import BACKGROUND, Field, render
+from mechstyle.pictures.visibility import visible
 from mechstyle.records.mesh import SurfaceMesh
 
 DPI = 100.0
 INK, FAINT = "#1c1c1e", "#5f5f66"
 GAP, MARGIN, TITLE, PANEL_TITLE, NOTE, BAR = 14, 18, 44, 30, 20, 102  # heights and gaps [pixels]
 BAR_WIDTH, BAR_HEIGHT = 360, 13
+FieldKey = tuple[str, str, tuple[float, float] | None, float | None]
+"""Label, unit, limits and threshold of a field."""
 CROWDED = 0.12
 """How near to the value that stands for all above it no other stands under the bar, as a share of it."""
 
@@ -64,8 +66,8 @@ class Panel:
     most: str = ""
 
     @property
-    def field(self) -> tuple[str, str, tuple[float, float] | None, float | None] | None:
-        """Label, unit and limits that panels of one colour bar share; None without values."""
+    def field(self) -> FieldKey | None:
+        """What panels of one colour bar share; None without values."""
         return None if self.values is None else (self.label, self.unit, self.limits, self.threshold)
 
 
@@ -94,7 +96,11 @@ def figure(
     if not panels:
         raise BadInput("a figure needs at least one panel")
     across = min(columns or 4, len(panels))
-    scales = _scales(panels)
+    scales: dict[FieldKey, Scale] = {}  # one for all panels that show a field
+    for panel in panels:
+        if panel.field is not None and panel.field not in scales:
+            shown = [np.ravel(other.values) for other in panels if other.values is not None and other.field == panel.field]
+            scales[panel.field] = _scale(np.concatenate(shown), panel.limits, panel.threshold)
     page = _Page.of(len(panels), across, len(scales), panel_size, bool(title), any(panel.note for panel in panels))
     sheet = Figure(figsize=(page.width / DPI, page.height / DPI), dpi=DPI, facecolor=BACKGROUND)
     FigureCanvasAgg(sheet)
@@ -157,16 +163,6 @@ class _Page:
     def bar_axes(self, sheet: Figure, index: int) -> Axes:
         row, column = divmod(index, max((self.width - 2 * MARGIN) // (BAR_WIDTH + GAP), 1))
         return self.axes(sheet, MARGIN + 8 + column * (BAR_WIDTH + GAP), self.bars_top + row * BAR + 40, BAR_WIDTH - 24, BAR_HEIGHT)
-
-
-def _scales(panels: Sequence[Panel]) -> dict[tuple[str, str, tuple[float, float] | None, float | None], Scale]:
-    """One scale per field, over all panels that show it."""
-    scales: dict[tuple[str, str, tuple[float, float] | None, float | None], Scale] = {}
-    for panel in panels:
-        if panel.field is not None and panel.field not in scales:
-            shown = [np.ravel(other.values) for other in panels if other.values is not None and other.field == panel.field]
-            scales[panel.field] = _scale(np.concatenate(shown), panel.limits, panel.threshold)
-    return scales
 
 
 def _scale(values: NDArray[np.floating], limits: tuple[float, float] | None, threshold: float | None) -> Scale:

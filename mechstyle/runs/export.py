@@ -17,7 +17,7 @@ from mechstyle.pictures.fields import Known, known
 from mechstyle.records import Checkpoint, Recipe, Simulation, Verdict
 from mechstyle.runs.printing import Printing, PrintPlan, wishes_of, write_for_printing
 from mechstyle.simulation.part import Workpiece
-from mechstyle.styling.drawing.finishes import finish_of
+from mechstyle.styling.drawing.colours import finish_of
 
 AS_USUAL = Printing()
 """A strict file in the colours of a usual changer."""

@@ -16,8 +16,8 @@ from mechstyle._files import write_whole
 from mechstyle.errors import BadInput
 from mechstyle.pictures.camera import Camera
 from mechstyle.pictures.colormap import STRIPE, Scale, hatch
-from mechstyle.pictures.raster.visibility import visible
 from mechstyle.pictures.scene import Field, render
+from mechstyle.pictures.visibility import visible
 from mechstyle.records import sentences
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.runs.run import Run

@@ -19,8 +19,7 @@ from mechstyle.loop.objects import Objects
 from mechstyle.loop.store import Store
 from mechstyle.records import Recipe
 from mechstyle.simulation.part import cached_memo
-from mechstyle.styling.drawing.raster import Raster
-from mechstyle.styling.image_files import LONGEST, pixels_of, png_of
+from mechstyle.styling.drawing.raster import LONGEST, Raster, pixels_of, png_of
 
 
 def digest_of(image: str | Path | bytes | NDArray[Any]) -> str:

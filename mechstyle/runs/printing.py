@@ -10,9 +10,21 @@ import numpy as np
 
 from mechstyle.errors import BadInput
 from mechstyle.geometry.bodies import shell_and_rest
-from mechstyle.geometry.filaments import MOST, USUAL, Palette, clustered, code_of, in_bands, painted, palette_of
+from mechstyle.geometry.filaments import (
+    MOST,
+    USUAL,
+    Palette,
+    PrintCost,
+    banded,
+    cheaper,
+    clustered,
+    code_of,
+    in_bands,
+    painted,
+    palette_of,
+    print_cost,
+)
 from mechstyle.geometry.files import write_file
-from mechstyle.geometry.print_cost import PrintCost, banded, cheaper, print_cost
 from mechstyle.geometry.threemf import Body, bodies_bytes, check_slicer, threemf_bytes, together
 from mechstyle.records import Recipe
 from mechstyle.records.mesh import SurfaceMesh

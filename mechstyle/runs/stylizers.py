@@ -30,8 +30,7 @@ from mechstyle.styling.dimensions import Dimensions
 from mechstyle.styling.drawing.canvas import Canvas
 from mechstyle.styling.drawing.colours import NEUTRAL
 from mechstyle.styling.drawn import ProceduralStylizer, Target, canvas_for, target
-from mechstyle.styling.learned.extra import need_clip_extra
-from mechstyle.styling.learned.weights import located
+from mechstyle.styling.learned.weights import located, need_clip_extra
 from mechstyle.styling.picture import NAME as PICTURE
 from mechstyle.styling.prompt import Reading, reading_of
 

@@ -18,7 +18,7 @@ from mechstyle.errors import BadInput, unknown
 from mechstyle.fea.explicit import no_progress
 from mechstyle.fea.stressed_volume import Walls
 from mechstyle.geometry.cancelling import CancelCheck, meanwhile, never_cancel
-from mechstyle.geometry.inside_outside import is_container, is_inside
+from mechstyle.geometry.inside_outside import is_container, is_inside, sky_seen
 from mechstyle.geometry.level_base import LevelBase
 from mechstyle.geometry.region_selection import protection
 from mechstyle.geometry.remeshing import even as standardise
@@ -28,7 +28,6 @@ from mechstyle.geometry.resting_face import resting_face
 from mechstyle.geometry.subdivision import refined_to
 from mechstyle.geometry.thickness import local_thickness
 from mechstyle.geometry.transfer import SurfaceMean
-from mechstyle.geometry.visibility import sky_seen
 from mechstyle.loop import minimum_wall as walls
 from mechstyle.loop.bounds import Bounds
 from mechstyle.loop.objects import Memo, Objects

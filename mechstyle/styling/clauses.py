@@ -136,7 +136,7 @@ def _title(clause: Sequence[Item], colon: int) -> int | None:
         BadInput: If it names a place that is not known.
     """
     start = colon
-    while start and _may_stand_in_a_title(clause[start - 1]):
+    while start and (isinstance(item := clause[start - 1], Place) or is_thing(item) or (not is_content(item) and meaning(item) != ":")):
         start -= 1
     title = clause[start:colon]
     if any(isinstance(item, Place) for item in title):
@@ -145,7 +145,3 @@ def _title(clause: Sequence[Item], colon: int) -> int | None:
     if strange:
         raise BadInput(f"{quoted(strange)} in the prompt is {NO_PLACE}")
     return None
-
-
-def _may_stand_in_a_title(item: Item) -> bool:
-    return (not is_content(item) and meaning(item) != ":") or isinstance(item, Place) or is_thing(item)

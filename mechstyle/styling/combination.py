@@ -10,10 +10,9 @@ from numpy.typing import ArrayLike
 
 from mechstyle.errors import BadInput
 from mechstyle.geometry.region_selection import selected
-from mechstyle.records.mesh import Bools, Floats, Indices, SurfaceMesh
+from mechstyle.records.mesh import Bools, Floats, SurfaceMesh
 from mechstyle.styling.drawing.colours import NEUTRAL, smoothstep
-from mechstyle.styling.drawing.folds import unfolded
-from mechstyle.styling.drawing.operators import Operators
+from mechstyle.styling.drawing.operators import Operators, unfolded
 from mechstyle.styling.drawn import Target
 from mechstyle.styling.prompt import Reading, Wish
 
@@ -59,17 +58,13 @@ def places(reading: Reading, surface: SurfaceMesh, thickness: ArrayLike) -> Plac
     where = [wish.place or "everywhere else" for wish in wishes]
     shares = [f"{share:.0%} of the surface" if share else "nothing: smaller or later places cover it all" for share in covered]
     notes = [f"{place}: {wish.words}, {share}" for place, wish, share in zip(where, wishes, shares, strict=True)]
-    return Places(_blended(surface, owner, len(wishes)), tuple(notes))
-
-
-def _blended(surface: SurfaceMesh, owner: Indices, count: int) -> Floats:
-    """Share of each of `count` owners, of whom -1 is none, with smooth transitions of about BLEND to both sides, shape [count, n]."""
+    # Smooth transitions of about BLEND to both sides, between owners of whom -1 is none.
     operators = Operators(surface)
-    sharp = (owner[:, None] == np.arange(-1, count)).astype(np.float64)
+    sharp = (owner[:, None] == np.arange(-1, len(wishes))).astype(np.float64)
     diffused = operators.diffused(sharp, max(BLEND, operators.mesh.edge_length))
     ended = smoothstep(*_TAIL, diffused)  # a diffused share falls off exponentially, and never ends
     total = ended.sum(axis=1, keepdims=True)
-    return np.where(total > 0.0, ended / np.maximum(total, 1e-12), sharp)[:, 1:].T
+    return Places(np.where(total > 0.0, ended / np.maximum(total, 1e-12), sharp)[:, 1:].T, tuple(notes))
 
 
 def _held(wish: Wish, surface: SurfaceMesh, thickness: ArrayLike) -> Bools:

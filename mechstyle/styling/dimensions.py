@@ -5,11 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.sparse as sp
 from numpy.typing import ArrayLike
-from scipy.sparse.csgraph import dijkstra
 
-from mechstyle.geometry.thickness import face_width
+from mechstyle.geometry.thickness import face_width, limited_slope
 from mechstyle.loop import minimum_wall
 from mechstyle.records import Recipe
 from mechstyle.records.mesh import Floats, SurfaceMesh
@@ -117,15 +115,14 @@ class Dimensions:
         if not wish.style:
             return Canvas(mesh, seed)
         nominal = style_named(wish.style).feature_mm * scale_by_area(mesh)
-        size = wish.size * self._correction(mesh, thickness, nominal) if self.feature is None else self.feature / nominal
+        if self.feature is not None:
+            size = self.feature / nominal
+        elif self.nozzle == 0.0:
+            size = wish.size
+        else:  # smaller on narrow faces and thin walls, which bear no deep relief, and no smaller than a nozzle prints
+            largest = min(face_width(mesh) / ACROSS, float(outwards(np.median(np.asarray(thickness)))) / SHALLOWEST)
+            size = wish.size * (max(min(nominal, largest), LEAST_FEATURE * self.nozzle) / nominal)
         return Canvas(mesh, seed, size, wish.colour, wish.shade, nozzle=self.nozzle)
-
-    def _correction(self, mesh: SurfaceMesh, thickness: ArrayLike, feature: float) -> float:
-        """Factor on a size of features by area [mm]: for narrow faces, thin walls, which bear no deep relief, and what a nozzle prints."""
-        if self.nozzle == 0.0:
-            return 1.0
-        largest = min(face_width(mesh) / ACROSS, float(outwards(np.median(np.asarray(thickness)))) / SHALLOWEST)
-        return max(min(feature, largest), LEAST_FEATURE * self.nozzle) / feature
 
     def layout(self, operators: Operators, thickness: ArrayLike, feature: float | None, amount: float = 1.0) -> Layout:
         """Depth and place of a relief on the walls of a part.
@@ -198,20 +195,7 @@ def gradual_thickness(operators: Operators, thickness: Floats) -> Floats:
 
     A measured thickness jumps, for example from a wall to the block it grows from; relief made from it would have cliffs.
     """
-    filtered = _median_of_ring(operators, thickness)
-    lengths = _THICKNESS_SLOPE * np.linalg.norm(operators.edge_vectors, axis=1)
-    count = len(filtered)
-    # One more node, joined to every vertex by its thickness, turns the lower envelope of cones into one shortest-path problem.
-    source, floor = np.full(count, count), np.maximum(filtered, 1e-9)
-    rows = np.concatenate([operators.tail, source])
-    columns = np.concatenate([operators.head, np.arange(count)])
-    graph = sp.csr_array((np.concatenate([lengths, floor]), (rows, columns)), (count + 1, count + 1))
-    return np.asarray(dijkstra(graph, directed=False, indices=count)[:count])
-
-
-def _median_of_ring(operators: Operators, values: Floats) -> Floats:
-    """Median over each vertex and its neighbours, shape [n]."""
-    count = len(values)
+    values, count = thickness, len(thickness)
     centre = np.concatenate([operators.tail, operators.head, np.arange(count)])
     other = np.concatenate([operators.head, operators.tail, np.arange(count)])
     rising = np.argsort(values)
@@ -220,4 +204,5 @@ def _median_of_ring(operators: Operators, values: Floats) -> Floats:
     size = np.bincount(centre, minlength=count)
     first = np.concatenate([[0], np.cumsum(size)[:-1]])
     ranked = values[rising][np.sort(centre * np.int64(count) + rank[other]) % count]  # whole numbers sort several times as fast as pairs
-    return np.asarray(0.5 * (ranked[first + (size - 1) // 2] + ranked[first + size // 2]))
+    median = np.asarray(0.5 * (ranked[first + (size - 1) // 2] + ranked[first + size // 2]))
+    return limited_slope(median, operators.mesh, _THICKNESS_SLOPE)

@@ -13,7 +13,7 @@ from mechstyle.records.recipe import DEFAULTS
 from mechstyle.styling.dimensions import Dimensions
 from mechstyle.styling.drawing.canvas import Canvas, scale_by_area
 from mechstyle.styling.drawing.colours import NEUTRAL, in_recesses
-from mechstyle.styling.drawing.folds import unfolded
+from mechstyle.styling.drawing.operators import unfolded
 from mechstyle.styling.drawing.raster import Raster
 from mechstyle.styling.library import style_named
 from mechstyle.styling.picture import NAME as PICTURE
@@ -83,8 +83,11 @@ def target(
     limited = np.clip(raised, -np.asarray(inward, dtype=np.float64), np.asarray(outward, dtype=np.float64))
     canvas.go_on()
     smooth = unfolded(canvas.operators, limited)
-    notes = (*canvas.notes, *layout.notes, *_fold_notes(mesh, np.abs(smooth - limited) > _NOTICEABLE * np.abs(limited)))
-    return Target(smooth.astype(np.float32), tint, notes)
+    notes = [*canvas.notes, *layout.notes]
+    lowered = float(mesh.vertex_areas @ (np.abs(smooth - limited) > _NOTICEABLE * np.abs(limited))) / float(mesh.vertex_areas.sum())
+    if lowered >= _WORTH_A_NOTE:
+        notes.append(f"the relief was lowered on {lowered:.0%} of the surface, where it would have folded over itself")
+    return Target(smooth.astype(np.float32), tint, tuple(notes))
 
 
 def tinted(relief: Relief, wish: Wish) -> Floats:
@@ -119,13 +122,6 @@ def _plain(wish: Wish, count: int) -> Target:
     """No relief, and the colour asked for or that of an uncoloured part."""
     colour = (NEUTRAL, NEUTRAL, NEUTRAL) if wish.colour is None else wish.colour
     return Target(np.zeros(count, np.float32), np.tile(np.array(colour, np.float32), (count, 1)), ())
-
-
-def _fold_notes(mesh: SurfaceMesh, lowered: NDArray[np.bool_]) -> tuple[str, ...]:
-    share = float(mesh.vertex_areas @ lowered) / float(mesh.vertex_areas.sum())
-    if share < _WORTH_A_NOTE:
-        return ()
-    return (f"the relief was lowered on {share:.0%} of the surface, where it would have folded over itself",)
 
 
 class ProceduralStylizer:

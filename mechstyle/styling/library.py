@@ -1,27 +1,41 @@
-"""The styles by name: every module of `styles` defines one `STYLE`, or the `STYLES` of a family."""
+"""The styles by name."""
 
 from __future__ import annotations
 
 import importlib
 import pkgutil
+from collections.abc import Mapping
 from functools import cache
 
 from mechstyle.errors import unknown
 from mechstyle.styling import picture, styles
 from mechstyle.styling.style import Style
 
-
-@cache
-def _modules() -> dict[str, str]:
-    """Name of the module of each style, by its name; imports none of them."""
-    alone = {module.name: module.name for module in pkgutil.iter_modules(styles.__path__) if module.name not in styles.FAMILIES}
-    return alone | {name: family for family, members in styles.FAMILIES.items() for name in members}
+FAMILIES: Mapping[str, tuple[str, ...]] = {
+    "coats": ("camouflage", "fur", "giraffe", "leather", "leopard", "zebra"),
+    "geometric": ("dots", "fuzzy", "low_poly", "paper", "stripes", "topographic"),
+    "knitted": ("cable_knit", "crochet", "knit"),
+    "lattices": ("bubbles", "circuit", "grid", "honeycomb", "isogrid", "voronoi"),
+    "masonry": ("brick", "concrete", "herringbone", "realistic", "shingles", "stone", "terracotta", "terrazzo", "tiles"),
+    "metal": (
+        "brushed_metal", "chainmail", "damascus", "diamond_plate", "grip", "hammered", "knurling", "panels",
+        "spikes", "studs", "weathered",
+    ),
+    "minerals": ("cracked_earth", "crystal", "glass", "ice", "lava", "marble"),
+    "ornaments": ("celtic_knot", "fluted", "girih", "greek_key", "pleats", "spiral"),
+    "plants": ("cactus", "floral", "green", "moss"),
+    "scales": ("art_deco", "dragon_scales", "feathers", "fish_scales", "waves"),
+    "wooden": ("bamboo", "bark", "cork", "mandala", "wood"),
+    "woven": ("basket_weave", "carbon_fibre", "quilting", "tartan", "twill"),
+}
+"""Names of the styles in each module of several, known without loading any; every other module of `styles` holds one, of its own name."""
 
 
 @cache
 def names() -> tuple[str, ...]:
     """Names of all styles, sorted; imports none of them."""
-    return tuple(sorted(_modules()))
+    alone = {module.name for module in pkgutil.iter_modules(styles.__path__)} - FAMILIES.keys()
+    return tuple(sorted(alone.union(*FAMILIES.values())))
 
 
 @cache
@@ -31,8 +45,8 @@ def style_named(name: str) -> Style:
         return picture.STYLE
     if name not in names():
         raise unknown("style", name, names())
-    module = importlib.import_module(f"{styles.__name__}.{_modules()[name]}")
-    style: Style = module.STYLES[name] if hasattr(module, "STYLES") else module.STYLE
+    module = next((family for family, members in FAMILIES.items() if name in members), name)
+    style: Style = getattr(importlib.import_module(f"{styles.__name__}.{module}"), name)
     return style
 
 

@@ -72,7 +72,11 @@ def likened(items: Sequence[Item]) -> list[Item]:
 
 def items_of(found: Sequence[Word], notes: list[str]) -> list[Item]:
     """The words with those that belong together as one: phrases, lengths, places; notes are added on numbers left out."""
-    return _with_places(_with_lengths(_with_recesses(_with_shades(_with_phrases(found), notes)), notes))
+    read = _with_shades(_with_phrases(found), notes)
+    # What is a style alone, such as lines, is said of the recesses of the style beside it: "brick with gold lines".
+    beside = any(is_style(word) and word.means not in english.RECESSES for word in read)
+    seams = [word._replace(means="seam") if beside and word.means in english.RECESSES else word for word in read]
+    return _with_places(_with_lengths(seams, notes))
 
 
 def _with_phrases(found: Sequence[Word]) -> list[Word]:
@@ -107,12 +111,6 @@ def _with_shades(found: Sequence[Word], notes: list[str]) -> list[Word]:
     return read
 
 
-def _with_recesses(found: Sequence[Word]) -> list[Word]:
-    """The words with those that are a style alone, such as lines, read as recesses of the style beside them: "brick with gold lines"."""
-    beside = any(is_style(word) and word.means not in english.RECESSES for word in found)
-    return [word._replace(means="seam") if beside and word.means in english.RECESSES else word for word in found]
-
-
 def _with_lengths(found: Sequence[Word], notes: list[str]) -> list[Item]:
     """The words with every number that has a unit read as a length, together with the word that says of what."""
     items: list[Item] = []
@@ -130,7 +128,8 @@ def _with_lengths(found: Sequence[Word], notes: list[str]) -> list[Item]:
             rest.pop(0)
         if deep or (rest and rest[0].means in _LARGE):
             rest.pop(0)
-        if at is not None and not deep and meaning(before) in english.DEPTHS and not _describes(before, rest):
+        of_what_follows = meaning(before) in ADJECTIVES and bool(rest) and is_style(rest[0])  # "deep 5 mm bricks"
+        if at is not None and not deep and meaning(before) in english.DEPTHS and not of_what_follows:
             deep, items[at] = True, NOTHING
         elif at is not None and isinstance(before, Word) and before.number is not None:
             notes.append(f"a size is one length: took {mm:g} mm, left out {before.text}")
@@ -149,11 +148,6 @@ def _says_deep(rest: Sequence[Word]) -> bool:
     return rest[links].means in says and not (len(rest) > links + 1 and rest[links + 1].number is not None)
 
 
-def _describes(word: Item, rest: Sequence[Word]) -> bool:
-    """Whether a word such as "deep" is said of the style that follows, and not of the length between: "deep 5 mm bricks"."""
-    return meaning(word) in ADJECTIVES and bool(rest) and is_style(rest[0])
-
-
 def _with_places(given: Sequence[Item]) -> list[Item]:
     """The items with the words of a place, and the numbers that say how far it reaches, read as a place."""
     items: list[Item] = []
@@ -161,20 +155,16 @@ def _with_places(given: Sequence[Item]) -> list[Item]:
     while rest:
         item = rest.pop(0)
         kind = english.PLACES.get(meaning(item), "")
+        bare = bool(items) and isinstance(items[-1], Word) and items[-1].text in {"on", "at"}  # without an article, as in "on top"
         if meaning(item) in english.EVERYWHERE:
             items.append(Place(None))
         elif isinstance(item, Length):
             items.append(_reach(item, rest) or item)
-        elif kind and (numbers := _numbers_after(kind, rest, bare=_stands_bare(items))) is not None:
+        elif kind and (numbers := _numbers_after(kind, rest, bare=bare)) is not None:
             items.append(Place(region(" ".join([kind, *(f"{number:g}" for number in numbers)]))))
         else:
             items.append(item)
     return items
-
-
-def _stands_bare(items: Sequence[Item]) -> bool:
-    """Whether what comes next has no article, as in "on top"."""
-    return bool(items) and isinstance(items[-1], Word) and items[-1].text in {"on", "at"}
 
 
 def _reach(length: Length, rest: list[Item]) -> Place | None:
@@ -231,7 +221,7 @@ def without_negated(items: Sequence[Item], *, adjectives_only: bool) -> tuple[li
             start = max((k + 1 for k, other in enumerate(kept) if _ends_scope(other)), default=0)
             unwanted += [other for other in kept[start:] if is_content(other)]
             kept[start:] = [_spared(other) for other in kept[start:]]
-        elif means == "nothing" and _ends_here(items[at + 1 :]):
+        elif means == "nothing" and not any(map(is_content, itertools.takewhile(lambda other: not _ends_scope(other), items[at + 1 :]))):
             kept.append(item._replace(means="plain") if isinstance(item, Word) else item)  # outside bark, inside nothing
         elif means in english.NEGATIONS or (means == "but" and _excepts_a_place(items[at + 1 :])):
             scope = True
@@ -246,12 +236,6 @@ def without_negated(items: Sequence[Item], *, adjectives_only: bool) -> tuple[li
         else:
             kept.append(item)
     return kept, unwanted
-
-
-def _ends_here(rest: Sequence[Item]) -> bool:
-    """Whether nothing more is asked for up to the next comma."""
-    end = next((at for at, item in enumerate(rest) if _ends_scope(item)), len(rest))
-    return not any(is_content(item) for item in rest[:end])
 
 
 def _ends_scope(item: Item) -> bool:

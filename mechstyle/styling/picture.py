@@ -10,8 +10,7 @@ from mechstyle.records.mesh import Floats, SurfaceMesh
 from mechstyle.records.regions import End, Region
 from mechstyle.styling.drawing.canvas import Canvas, scale_by_area
 from mechstyle.styling.drawing.colours import NEUTRAL, mix
-from mechstyle.styling.drawing.placed_picture import PlacedPicture
-from mechstyle.styling.drawing.projection import Projection, around_projection, box_projection, planar_projection
+from mechstyle.styling.drawing.projection import PlacedPicture, Projection, around_projection, box_projection, planar_projection
 from mechstyle.styling.drawing.raster import Raster
 from mechstyle.styling.style import Relief, Style
 
@@ -34,17 +33,17 @@ def picture(canvas: Canvas) -> Relief:
     tint, raster = _coloured(canvas, seen.colour, seen.cover), placed.raster
     if not placed.raised or not (raster.shaded or raster.clear):
         return Relief(np.zeros(len(seen.cover)), tint)
-    if raster.clear:
-        return Relief(seen.cover * _standing(seen.height, placed.side, shaded=raster.shaded), tint, stands=True)
-    return Relief(seen.height, tint, seen.cover)
-
-
-def _standing(height: Floats, side: str, *, shaded: bool) -> Floats:
-    """How far heights in [-1, 1] lie from a surface that has none where the picture is transparent, as shares of the depth, shape [n]."""
-    if side == "both":
-        return 0.5 * height
-    step = STEP if shaded else 1.0
-    return -step - (1.0 - step) * 0.5 * (1.0 - height) if side == "inwards" else step + (1.0 - step) * 0.5 * (1.0 + height)
+    if not raster.clear:
+        return Relief(seen.height, tint, seen.cover)
+    # The surface has no relief where the picture is transparent: heights in [-1, 1] become its distance from there, as shares of the depth.
+    step = STEP if raster.shaded else 1.0
+    if placed.side == "both":
+        share = 0.5 * seen.height
+    elif placed.side == "inwards":
+        share = -step - (1.0 - step) * 0.5 * (1.0 - seen.height)
+    else:
+        share = step + (1.0 - step) * 0.5 * (1.0 + seen.height)
+    return Relief(seen.cover * share, tint, stands=True)
 
 
 def _coloured(canvas: Canvas, colours: Floats, cover: Floats) -> Floats:

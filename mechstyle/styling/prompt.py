@@ -152,7 +152,8 @@ def read(prompt: str, *, picture: bool = False) -> Reading:
     check_prompt(prompt)
     found, notes = words(prompt)
     if picture:
-        found = _with_picture(found)
+        meant = [word._replace(means=PICTURE) if word.means in english.PICTURES else word for word in found]
+        found = meant if any(is_style(word) for word in meant) else [Word("picture", PICTURE), Word(";", ";"), *meant]
     items = items_of(found, notes)
     kept, unwanted = without_negated(items, adjectives_only=False)
     if not _clauses(kept, notes=[]) and any(is_style(item) for item in unwanted):
@@ -191,12 +192,6 @@ def _clauses(kept: Sequence[Item], notes: list[str]) -> list[Clause]:
             named = [item._replace(means=f"~{item.means}") if isinstance(item, Word) and id(item) in chosen else item for item in kept]
             return clauses_of(named, whole=whole)
     return []
-
-
-def _with_picture(found: Sequence[Word]) -> list[Word]:
-    """The words with those that mean a picture read as its style; it stands before them all if they name no style."""
-    meant = [word._replace(means=PICTURE) if word.means in english.PICTURES else word for word in found]
-    return meant if any(is_style(word) for word in meant) else [Word("picture", PICTURE), Word(";", ";"), *meant]
 
 
 # --- one wish -----------------------------------------------------------------------------------------------------

@@ -58,3 +58,8 @@ class Style:
     description: str
     feature_mm: float
     program: Callable[[Canvas], Relief]
+
+
+def style(description: str, *, feature_mm: float) -> Callable[[Callable[[Canvas], Relief]], Style]:
+    """Make a program the style of its name; what it takes is described at `Style`."""
+    return lambda program: Style(program.__name__, description, feature_mm, program)

@@ -159,9 +159,6 @@ def hints(word: str) -> tuple[str, ...]:
 @cache
 def meanings() -> frozenset[str]:
     """All English words that mean something."""
-    return frozenset({word.replace("+", "_") for row in rows("words") for word in row.words[0]} | styles().keys() | _names()) - {PICTURE}
-
-
-def _names() -> frozenset[str]:
-    """The English names of several words that `english.tsv` knows as things: barn_owl."""
-    return frozenset(word for row in rows("english") for word in row.words[0] if "_" in word)
+    known = {word.replace("+", "_") for row in rows("words") for word in row.words[0]} | styles().keys()
+    names = {word for row in rows("english") for word in row.words[0] if "_" in word}  # things of several words: barn_owl
+    return frozenset(known | names) - {PICTURE}

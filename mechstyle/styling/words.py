@@ -58,14 +58,14 @@ def words(prompt: str) -> tuple[list[Word], list[str]]:
     folded = _folded(prompt)
     eastern = ("Japanese", "Chinese") if _KANA.search(folded) else ("Chinese", "Japanese")
     tokens = [part for token in _TOKEN.findall(folded) for part in (_segmented(token, eastern) if _is_eastern(token) else [token])]
-    western = _language(tokens)
+    language = language_of(tokens)
     read, notes = [], []
     while tokens:
         token = tokens[0]
         if _is_eastern(token):
             count, means, guess = 1, [_listed(token, eastern)], ""
         else:
-            count, means, guess = _next(tokens, western)
+            count, means, guess = _next_word(tokens, language)
         read += [Word(" ".join(tokens[:count]) if not at else "", meaning) for at, meaning in enumerate(means)]
         notes += [guess] if guess else []
         del tokens[:count]
@@ -112,7 +112,7 @@ def _segmented(signs: str, languages: Sequence[str]) -> list[str]:
     return [*parts, unknown] if unknown else parts
 
 
-def _next(tokens: list[str], language: str) -> tuple[int, list[str], str]:
+def _next_word(tokens: list[str], language: str) -> tuple[int, list[str], str]:
     """How many tokens belong together, what they mean, and a note if that was guessed."""
     first = tokens[0]
     if first in MARKS:
@@ -176,7 +176,7 @@ def _known(word: str, language: str) -> str:
     return _dictionary(language).get(word) or _dictionary(language).get(stem) or _stems(language).get(stem, "")
 
 
-def _language(tokens: list[str]) -> str:
+def language_of(tokens: Sequence[str]) -> str:
     """The language, "" for English, that knows most of the words, and most of them as they are written; English if that is as likely."""
     western = [token for token in tokens if token.isalpha() and not _is_eastern(token)]
     return max(("", *LANGUAGES[:5]), key=lambda language: _covered(western, language))

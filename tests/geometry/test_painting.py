@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 import pytest
 
-from mechstyle.geometry.painting import distinct, words
+from mechstyle.geometry.threemf import distinct, words
 from support.painting import decoded, state_at
 
 # `CONST_FILAMENTS` of Bambu Studio and OrcaSlicer; PrusaSlicer reads the same.

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from manifold3d import Manifold
 
-from mechstyle.geometry.filaments import Painted, in_bands
-from mechstyle.geometry.print_cost import PURGED, banded, changes_of, cheaper, colours_by_layer, print_cost
+from mechstyle.geometry.filaments import PURGED, Painted, banded, changes_of, cheaper, colours_by_layer, in_bands, print_cost
 from mechstyle.geometry.remeshing.evening import surface_of
 from mechstyle.geometry.threemf import threemf_bytes
 from support.slicer import FOUR_FILAMENTS, prusa_slicer, tools_by_height

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from manifold3d import Manifold
 
+from mechstyle.geometry.inside_outside import _directions, sky_seen
 from mechstyle.geometry.remeshing.evening import even, surface_of
-from mechstyle.geometry.visibility import _hemisphere, sky_seen
 from mechstyle.records.mesh import SurfaceMesh
 
 
@@ -34,7 +34,7 @@ def turned(mesh: SurfaceMesh, degrees: float) -> SurfaceMesh:
 
 
 def test_the_directions_are_evenly_spread_above_the_horizon():
-    sky = _hemisphere(64)
+    sky = _directions(64, cosine=False)
     assert sky[:, 2].min() > 0.0
     assert np.linalg.norm(sky, axis=1) == pytest.approx(1.0)
     assert sky.mean(axis=0) == pytest.approx([0.0, 0.0, 0.5], abs=0.01)

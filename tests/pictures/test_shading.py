@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from mechstyle.pictures.camera import Camera
-from mechstyle.pictures.shading import corner_normals, floor_shadow, hollows, lit
+from mechstyle.pictures.scene import corner_normals, floor_shadow, hollows, lit
 
 
 def test_a_cube_keeps_its_edges(block):

@@ -9,7 +9,7 @@ import pytest
 from PIL import Image
 
 from mechstyle.errors import BadInput
-from mechstyle.styling.image_files import LONGEST, pixels_of, png_of
+from mechstyle.styling.drawing.raster import LONGEST, pixels_of, png_of
 
 RAMP = np.linspace(0, 255, 12).astype(np.uint8).reshape(3, 4)
 

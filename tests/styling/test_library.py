@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from mechstyle.errors import BadInput
+from mechstyle.styling import styles
 from mechstyle.styling.drawing.canvas import Canvas
-from mechstyle.styling.library import library, names, style_named
-from mechstyle.styling.styles import FAMILIES
+from mechstyle.styling.library import FAMILIES, library, names, style_named
+from mechstyle.styling.style import Style
 
 STUDY = {"brick", "stone", "cactus", "realistic", "crochet", "green"}  # of Faruqi et al. (2025)
 
@@ -22,9 +23,23 @@ def test_the_styles_of_the_study_are_there_and_each_is_found_by_its_name():
 
 @pytest.mark.parametrize("family", FAMILIES)
 def test_a_family_holds_the_styles_it_is_listed_with(family):
-    found = importlib.import_module(f"mechstyle.styling.styles.{family}").STYLES
-    assert sorted(found) == sorted(FAMILIES[family])
-    assert all(style.name == name for name, style in found.items())
+    module = importlib.import_module(f"mechstyle.styling.styles.{family}")
+    assert {name for name, value in vars(module).items() if isinstance(value, Style)} == set(FAMILIES[family])
+
+
+def test_a_file_of_one_style_is_found_by_its_name(tmp_path, monkeypatch):
+    program = "import numpy as np\n\nfrom mechstyle.styling.style import Relief, style\n\n\n"
+    program += "@style('plain', feature_mm=5.0)\ndef slate(canvas):\n    return Relief(np.zeros(3), np.ones((3, 3)))\n"
+    (tmp_path / "slate.py").write_text(program)
+    monkeypatch.setattr(styles, "__path__", [*styles.__path__, str(tmp_path)])
+    names.cache_clear()
+    try:
+        assert "slate" in names()
+        assert style_named("slate").description == "plain"
+        assert style_named("slate").program(None).height.shape == (3,)
+    finally:
+        names.cache_clear()
+        sys.modules.pop("mechstyle.styling.styles.slate", None)
 
 
 def test_an_unknown_style_is_refused_with_the_nearest_first():
@@ -33,7 +48,7 @@ def test_an_unknown_style_is_refused_with_the_nearest_first():
 
 
 def test_looking_at_the_names_loads_no_style():
-    code = "import sys; from mechstyle.styling import styles; assert not any('scipy' in m or 'styles.' in m for m in sys.modules)"
+    code = "import sys; from mechstyle.styling.library import names; assert names() and not any('.styles.' in m for m in sys.modules)"
     subprocess.run([sys.executable, "-c", code], check=True)
 
 

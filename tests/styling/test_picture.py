@@ -7,9 +7,8 @@ from mechstyle.records.material import LIBRARY
 from mechstyle.records.recipe import Recipe
 from mechstyle.styling.dimensions import Dimensions
 from mechstyle.styling.drawing.colours import NEUTRAL
-from mechstyle.styling.drawing.raster import Raster
+from mechstyle.styling.drawing.raster import Raster, pixels_of
 from mechstyle.styling.drawn import canvas_for, target
-from mechstyle.styling.image_files import pixels_of
 from mechstyle.styling.prompt import read
 from styling.conftest import boxed
 from support import ROOT

@@ -162,7 +162,7 @@ def test_a_long_word_that_is_not_one_of_the_table_is_not_made_one(word):
 
 @pytest.mark.parametrize("word", ["burger", "fog", "dad", "mole", "pine", "corner", "pal", "ran"])
 def test_a_word_that_english_has_is_no_stem_of_another_language(word):
-    assert not words._language([word])
+    assert not words.language_of([word])
 
 
 @pytest.mark.parametrize("stuff", ["moss", "brick", "stone", "ocean", "walnut", "concrete", "denim", "glacier"])

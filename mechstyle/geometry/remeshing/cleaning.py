@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from mechstyle.geometry.bodies import without_unused
 from mechstyle.geometry.cancelling import CancelCheck, never_cancel
 from mechstyle.geometry.proximity import TriangleTree
 from mechstyle.geometry.remeshing.crossings import crossings
@@ -80,8 +81,7 @@ class _Triangles:
         return [float(height) for height in heights(self.vertices[np.array([self.faces[number] for number in numbers])])]
 
     def mesh(self) -> SurfaceMesh:
-        used, index = np.unique(np.array([face for face in self.faces if face is not None]), return_inverse=True)
-        return SurfaceMesh(self.vertices[used], index.reshape(-1, 3).astype(np.int32))
+        return without_unused(self.vertices, np.array([face for face in self.faces if face is not None]))
 
     def mend(self, number: int, least: float) -> bool:
         """Take one low triangle out; whether that was possible. It may have been mended with another one before."""
@@ -200,11 +200,7 @@ def mended(mesh: SurfaceMesh, part: TriangleTree, creases: int, go_on: CancelChe
         before, mesh = mesh, _turned(_pruned(mesh, part, creases), part, creases, go_on)
         if mesh is before:
             break
-    return _without_notches(mesh, part, creases, go_on)
-
-
-def _without_notches(mesh: SurfaceMesh, part: TriangleTree, creases: int, go_on: CancelCheck) -> SurfaceMesh:
-    """The mesh with edges turned that lie across rounds, except near where that would make walls cross each other."""
+    # Then edges that lie across rounds, except near where turning them would make walls cross each other.
     loose, most = np.ones(len(mesh.vertices), bool), -1
     for _ in range(TOL.notch_undoings):
         found = _turned(mesh, part, creases, go_on, loose)
@@ -248,8 +244,7 @@ def _pruned(mesh: SurfaceMesh, part: TriangleTree, creases: int) -> SurfaceMesh:
             caps.append((first, after[first], after[after[first]]))
     if not caps:
         return mesh
-    used, index = np.unique(np.vstack([faces[~dropped], np.array(caps, faces.dtype)]), return_inverse=True)
-    return SurfaceMesh(mesh.vertices[used], index.reshape(-1, 3).astype(np.int32))
+    return without_unused(mesh.vertices, np.vstack([faces[~dropped], np.array(caps, faces.dtype)]))
 
 
 def _turned(mesh: SurfaceMesh, part: TriangleTree, creases: int, go_on: CancelCheck, loose: Bools | None = None) -> SurfaceMesh:

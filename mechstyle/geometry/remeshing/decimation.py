@@ -12,7 +12,7 @@ import numpy as np
 
 from mechstyle.geometry.cancelling import CancelCheck, never_cancel
 from mechstyle.geometry.remeshing.tolerances import TOL
-from mechstyle.geometry.remeshing.topology import edges_of, far_apart, merged, sound_ones
+from mechstyle.geometry.remeshing.topology import edges_of, far_apart, merged, valid_collapses
 from mechstyle.records.mesh import Floats, Indices, SurfaceMesh
 
 
@@ -22,6 +22,21 @@ class _Quadrics(NamedTuple):
     a: Floats
     b: Floats
     c: Floats
+
+    @classmethod
+    def around(cls, vertices: Floats, faces: Indices) -> _Quadrics:
+        """Those of vertices: squared distance to the plane of each of their faces, weighted by its area."""
+        a, b, c = vertices[faces].transpose(1, 0, 2)
+        normals = np.cross(b - a, c - a)
+        weights = np.maximum(np.linalg.norm(normals, axis=1), 1e-30)
+        normals /= weights[:, None]
+        planes = np.column_stack([normals, -np.einsum("ij,ij->i", normals, a)])
+        squares = np.einsum("k,ki,kj->kij", weights, planes, planes).reshape(-1, 16)
+        total = np.zeros((len(vertices), 16))
+        for corner in faces.T:
+            np.add.at(total, corner, squares)
+        whole = total.reshape(-1, 4, 4)
+        return cls(whole[:, :3, :3].copy(), whole[:, :3, 3].copy(), whole[:, 3, 3].copy())
 
     def of(self, edges: Indices) -> _Quadrics:
         """Those of both ends of edges together."""
@@ -48,7 +63,7 @@ def decimated(mesh: SurfaceMesh, faces: int, go_on: CancelCheck = never_cancel, 
     """
     centre = mesh.vertices.mean(axis=0)
     vertices, corners = mesh.vertices - centre, mesh.faces
-    quadrics = _quadrics(vertices, corners)
+    quadrics = _Quadrics.around(vertices, corners)
     for _ in range(TOL.decimation_rounds):
         go_on()
         excess = (len(corners) - faces + 1) // 2  # a collapse takes two triangles
@@ -64,29 +79,13 @@ def decimated(mesh: SurfaceMesh, faces: int, go_on: CancelCheck = never_cancel, 
     return SurfaceMesh(vertices + centre, corners)
 
 
-def _quadrics(vertices: Floats, faces: Indices) -> _Quadrics:
-    """The quadrics of vertices: squared distance to the plane of each of their faces, weighted by its area."""
-    a, b, c = vertices[faces].transpose(1, 0, 2)
-    normals = np.cross(b - a, c - a)
-    weights = np.maximum(np.linalg.norm(normals, axis=1), 1e-30)
-    normals /= weights[:, None]
-    offsets = -np.einsum("ij,ij->i", normals, a)
-    planes = np.column_stack([normals, offsets])
-    squares = np.einsum("k,ki,kj->kij", weights, planes, planes).reshape(-1, 16)
-    total = np.zeros((len(vertices), 16))
-    for corner in faces.T:
-        np.add.at(total, corner, squares)
-    whole = total.reshape(-1, 4, 4)
-    return _Quadrics(whole[:, :3, :3].copy(), whole[:, :3, 3].copy(), whole[:, 3, 3].copy())
-
-
 def _cheapest(vertices: Floats, faces: Indices, quadrics: _Quadrics, most: int, longest: float) -> tuple[Indices, Floats]:
     """The cheapest edges that can collapse together, at most so many, and where their ends meet."""
     edges = edges_of(faces)
     shared = quadrics.of(edges)
     places = shared.lowest(0.5 * (vertices[edges[:, 0]] + vertices[edges[:, 1]]))
     costs = shared.at(places)
-    sound = np.flatnonzero(sound_ones(vertices, faces, edges, places, longest=longest, cosine=TOL.turn_in_decimation))
+    sound = np.flatnonzero(valid_collapses(vertices, faces, edges, places, longest=longest, cosine=TOL.turn_in_decimation))
     cheap = sound[np.argsort(costs[sound], kind="stable")][: max(int(TOL.cheap * len(edges)), 1)]
     chosen = cheap[far_apart(edges[cheap], np.floor(np.log2(np.maximum(costs[cheap], 1e-12))), faces, len(vertices))][: max(most, 0)]
     return edges[chosen], places[chosen]

@@ -67,7 +67,12 @@ def even(mesh: SurfaceMesh, vertices: int = STANDARD_VERTICES, tolerance: float 
             if missed <= tolerance:
                 return found
             nearly = nearly or found
-        edge, short, long = _corrected(edge, len(found.vertices) / vertices, short, long)
+        # The count goes with the inverse square of the edge length, roughly: it jumps where the first cut of a coarse input changes, and
+        # then halving the bracket finds what the square root steps over.
+        excess = len(found.vertices) / vertices
+        short, long = (max(short, edge), long) if excess > 1.0 else (short, min(long, edge))
+        wanted = edge * math.sqrt(excess)
+        edge = wanted if short < wanted < long else math.sqrt(short * long)
     if nearly is not None:
         return nearly
     left = "" if _has_area(found, edge) else ", with triangles without area"
@@ -102,17 +107,6 @@ def _by_shape(body: Any, edge: float, vertices: int, tolerance: float, go_on: Ca
 def _has_area(mesh: SurfaceMesh, edge: float) -> bool:
     """Whether every triangle of a mesh of this edge length [mm] has an area."""
     return bool(heights(mesh.corners).min() >= TOL.no_area * edge)
-
-
-def _corrected(edge: float, excess: float, short: float, long: float) -> tuple[float, float, float]:
-    """The next edge length to try [mm], and the longest known to give too many vertices and the shortest known to give too few.
-
-    The count goes with the inverse square of the edge length, roughly: it jumps where the first cut of a coarse input changes, and
-    then halving the bracket finds what the square root steps over.
-    """
-    short, long = (max(short, edge), long) if excess > 1.0 else (short, min(long, edge))
-    wanted = edge * math.sqrt(excess)
-    return (wanted if short < wanted < long else math.sqrt(short * long)), short, long
 
 
 def manifold_of(mesh: SurfaceMesh) -> Any:

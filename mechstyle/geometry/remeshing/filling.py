@@ -58,11 +58,11 @@ def fill(
     _check(surface, target)
     digest = digest_of(surface.vertices, surface.faces, np.array([target]), *([] if keep is None else [keep.vertices]))
     file = None if cache is None else Path(cache) / f"{digest[:32]}-{VERSION}.npz"
-    if file is not None and (kept := _read(file)) is not None:
+    if file is not None and (kept := _cached(file)) is not None:
         return kept
     tets = _meshed(surface, target, timeout, go_on, keep=keep)
     if file is not None:
-        if (meanwhile := _read(file)) is not None:  # somebody else was faster, and runs may rest on that mesh already
+        if (meanwhile := _cached(file)) is not None:  # somebody else was faster, and runs may rest on that mesh already
             return meanwhile
         content = io.BytesIO()
         np.savez_compressed(content, vertices=tets.vertices, tets=tets.tets, digest=np.array(tets.digest))
@@ -281,7 +281,7 @@ def _pinched(faces: Indices) -> float:
     return float(np.mean(np.unique(edges, axis=0, return_counts=True)[1] > 2))
 
 
-def _read(file: Path) -> TetMesh | None:
+def _cached(file: Path) -> TetMesh | None:
     """A kept mesh, or None if there is none that can be read and is what was written."""
     try:
         with file.open("rb") as stream, np.load(stream, allow_pickle=False) as kept:

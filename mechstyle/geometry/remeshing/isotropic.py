@@ -24,7 +24,7 @@ from mechstyle.geometry.remeshing.topology import (
     least,
     merged,
     ranks,
-    sound_ones,
+    valid_collapses,
 )
 from mechstyle.records.mesh import Bools, Floats, Indices, SurfaceMesh
 
@@ -86,7 +86,7 @@ def _split(state: _State, longest: float, go_on: CancelCheck) -> _State:
     for _ in range(TOL.splits):
         go_on()
         pairs = edge_pairs(faces)
-        length = _lengths(vertices, pairs.edges)
+        length = _edge_lengths(vertices, pairs.edges)
         wanted = (length > longest) & ~_held(vertices, faces, pairs, fixed)
         pairs, length = pairs.some(wanted), length[wanted]
         pairs = pairs.some(_foremost(pairs.faces, -length, len(faces)))
@@ -109,11 +109,11 @@ def _collapsed(state: _State, shortest: float, longest: float, go_on: CancelChec
     for _ in range(TOL.collapses):
         go_on()
         edges = edges_of(faces)
-        length = _lengths(vertices, edges)
+        length = _edge_lengths(vertices, edges)
         wanted = (length < shortest) & ((edges[:, 0] >= fixed) | (edges[:, 0] < creases) & (edges[:, 1] >= fixed))
         edges, length = edges[wanted], length[wanted]
         meeting = np.where((edges[:, 0] < fixed)[:, None], vertices[edges[:, 0]], 0.5 * (vertices[edges[:, 0]] + vertices[edges[:, 1]]))
-        sound = sound_ones(vertices, faces, edges, meeting, longest=longest, cosine=TOL.turn_in_collapse)
+        sound = valid_collapses(vertices, faces, edges, meeting, longest=longest, cosine=TOL.turn_in_collapse)
         edges, length, meeting = edges[sound], length[sound], meeting[sound]
         chosen = far_apart(edges, np.floor(length * (TOL.length_classes / shortest)), faces, len(vertices))
         if not chosen.any():
@@ -176,7 +176,7 @@ def _smoothed(state: _State, part: TriangleTree) -> _State:
     return state._replace(vertices=wanted)
 
 
-def _lengths(vertices: Floats, edges: Indices) -> Floats:
+def _edge_lengths(vertices: Floats, edges: Indices) -> Floats:
     return _norms(vertices[edges[:, 1]] - vertices[edges[:, 0]])
 
 

@@ -70,7 +70,11 @@ def tetwild(
     Raises:
         SimulationFailed: If it runs out of time, dies, or finds nothing inside.
     """
-    _remove_abandoned()
+    # Folders of processes that were killed go; links, and what belongs to somebody else, stay.
+    for old in Path(tempfile.gettempdir()).glob(f"{FOLDER}*"):
+        with contextlib.suppress(OSError):  # another process may be removing it
+            if time() - old.lstat().st_mtime > ABANDONED:
+                shutil.rmtree(old, ignore_errors=True)
     with tempfile.TemporaryDirectory(prefix=FOLDER) as name:
         folder = Path(name)
         request, answer = folder / "request.npz", folder / "answer.npz"
@@ -84,14 +88,6 @@ def tetwild(
         if hasattr(signal, "SIGXCPU") and done.returncode == -signal.SIGXCPU:
             raise _out_of_time(f"{timeout:.0f} s of processor time")
         return _answer(answer, done)
-
-
-def _remove_abandoned() -> None:
-    """Remove the folders of processes that were killed; links, and what belongs to somebody else, stay."""
-    for folder in Path(tempfile.gettempdir()).glob(f"{FOLDER}*"):
-        with contextlib.suppress(OSError):  # another process may be removing it
-            if time() - folder.lstat().st_mtime > ABANDONED:
-                shutil.rmtree(folder, ignore_errors=True)
 
 
 def _out_of_time(spent: str) -> SimulationFailed:

@@ -59,7 +59,7 @@ def among(wanted: NDArray[np.int64], there: NDArray[np.int64]) -> Bools:
     return there[np.minimum(np.searchsorted(there, wanted), len(there) - 1)] == wanted
 
 
-def sound_ones(vertices: Floats, faces: Indices, edges: Indices, meeting: Floats, *, longest: float, cosine: float) -> Bools:
+def valid_collapses(vertices: Floats, faces: Indices, edges: Indices, meeting: Floats, *, longest: float, cosine: float) -> Bools:
     """Whether the ends of edges can meet: the surface stays one (the link condition), no edge gets too long, no triangle turns."""
     count, corners = len(vertices), faces.ravel()
     first = np.concatenate([[0], np.cumsum(np.bincount(corners, minlength=count))]).astype(np.int32)

@@ -25,7 +25,7 @@ from mechstyle._colour import linear_to_srgb
 from mechstyle.fea.orientations import UP
 from mechstyle.loop.history import Row, per_iteration
 from mechstyle.loop.objects import Objects
-from mechstyle.pictures import shading
+from mechstyle.pictures import scene
 from mechstyle.pictures.colormap import ABOVE, LINE, STRIPE, UNKNOWN, Scale
 from mechstyle.pictures.fields import Quantity, moment, quantities
 from mechstyle.records import Checkpoint, Simulation, sentences
@@ -227,8 +227,8 @@ def layer_entry(quantity: Quantity, channel: Channel) -> dict[str, Any]:
 def light() -> dict[str, Any]:
     """The lamps of the figures, by the names the shaders give them."""
     return {
-        "key": list(shading.KEY), "keyLight": shading.KEY_LIGHT, "fill": list(shading.FILL), "fillLight": shading.FILL_LIGHT,
-        "sky": shading.SKY_LIGHT, "ground": shading.GROUND_LIGHT, "flatness": shading.FLATNESS,
+        "key": list(scene.KEY), "keyLight": scene.KEY_LIGHT, "fill": list(scene.FILL), "fillLight": scene.FILL_LIGHT,
+        "sky": scene.SKY_LIGHT, "ground": scene.GROUND_LIGHT, "flatness": scene.FLATNESS,
     }  # fmt: skip
 
 

@@ -1,6 +1,6 @@
 """How a flat picture lies on a part: from one side, from the six sides of a box, or around an upright axis.
 
-Everything that decides where it lies is worked out once, on the part's own surface; it can then be looked up at any place on or near it.
+Everything that decides where it lies is worked out once, on the part's own surface; `PlacedPicture` looks it up at any place near it.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from mechstyle.records.mesh import Floats, SurfaceMesh
 from mechstyle.records.regions import ENDS
 from mechstyle.styling.drawing.charts import box_axes, is_prismatic
 from mechstyle.styling.drawing.colours import smoothstep
+from mechstyle.styling.drawing.raster import Raster, Sample
 
 _SHARPNESS = 6.0  # power of the cosine by which sides of a box share a place: higher blends over less
 _GLANCING, _FACING = 0.2, 0.45  # cosines between which a picture thrown from one side fades out, where it would be drawn out long
@@ -148,8 +149,12 @@ def box_projection(mesh: SurfaceMesh, width: float | None, usual: float, aspect:
     x, y, z = _axes(mesh)
     frames = (np.stack([y, z, x]), np.stack([-x, z, y]), np.stack([x, y, z]))
     sides = [Side(axes, _middle(mesh, axes)) for axes in frames]
-    if width is None:
-        width = usual if repeated else min(_fitting(mesh, side, aspect) for side in _worth_looking_at(mesh, sides))
+    if width is None and repeated:
+        width = usual
+    elif width is None:
+        areas = mesh.face_areas / mesh.face_areas.sum()
+        share = [float(areas[np.abs(mesh.face_normals @ side.axes[2]) > np.sqrt(0.5)].sum()) for side in sides]
+        width = min(_fitting(mesh, side, aspect) for side, one in zip(sides, share, strict=True) if one >= min(_WORTH, max(share)))
     return BoxProjection((sides[0], sides[1], sides[2]), width, aspect)
 
 
@@ -207,12 +212,6 @@ def _shown(mesh: SurfaceMesh, axes: Floats) -> float:
     return float(areas[mesh.face_normals @ axes[2] > _FACING].sum() / areas.sum())
 
 
-def _worth_looking_at(mesh: SurfaceMesh, sides: list[Side]) -> list[Side]:
-    areas = mesh.face_areas / mesh.face_areas.sum()
-    share = [float(areas[np.abs(mesh.face_normals @ side.axes[2]) > np.sqrt(0.5)].sum()) for side in sides]
-    return [side for side, one in zip(sides, share, strict=True) if one >= min(_WORTH, max(share))]
-
-
 def _middle(mesh: SurfaceMesh, axes: Floats, *, facing: bool = False) -> Floats:
     """Middle of the box around a part, or around what of it faces outwards [mm]."""
     shown = mesh.vertices
@@ -251,3 +250,37 @@ def _axis(mesh: SurfaceMesh) -> Floats:
 def _median(values: Floats, weights: Floats) -> float:
     order = np.argsort(values)
     return float(values[order][np.searchsorted(np.cumsum(weights[order]), 0.5 * weights.sum())])
+
+
+@dataclass(frozen=True, eq=False)
+class PlacedPicture:
+    """A picture on a part.
+
+    Attributes:
+        raster: The picture.
+        projection: How it lies on the part.
+        repeated: Whether it is repeated.
+        raised: Whether its light and dark become relief.
+        side: Where the relief goes from the surface, one of SIDES.
+        coloured: Whether its colours are taken.
+    """
+
+    raster: Raster
+    projection: Projection
+    repeated: bool
+    raised: bool
+    side: str
+    coloured: bool
+
+    def seen(self, points: Floats, normals: Floats, footprint: float) -> Sample:
+        """What it shows at points [mm] with unit normals, shapes [n, 3], each of which stands for a place of `footprint` [mm]."""
+        height, colour, cover = np.zeros(len(points)), np.zeros((len(points), 3)), np.zeros(len(points))
+        for layer in self.projection.layers(points, normals):
+            here = np.flatnonzero(layer.share > 1e-4)
+            shown = self.raster.at(layer.u[here], layer.v[here], footprint / self.projection.width, repeated=self.repeated)
+            part = layer.share[here] * shown.cover
+            height[here] += part * shown.height
+            colour[here] += part[:, None] * shown.colour
+            cover[here] += part
+        whole = np.maximum(cover, 1e-9)
+        return Sample(height / whole, colour / whole[:, None], np.minimum(cover, 1.0))

@@ -17,8 +17,7 @@ from collections.abc import Callable
 
 import torch
 
-from mechstyle.styling.learned.rows import placed, taken
-from mechstyle.styling.learned.tensors import parting_edges
+from mechstyle.styling.learned.tensors import parting_edges, placed, taken
 
 MOST_PARTED = 8
 """One in so many pairs of neighbours may be parted where shapes may not depend on the picture; of a lampshade at 224² one in 87 is."""
@@ -43,7 +42,13 @@ def antialiased(
     """
     views, height, width = buffer.shape
     edge, second_inside = (of_pair.view(-1) for of_pair in parting_edges(surface[..., :3], edges, buffer))
-    pair, slot = _slots(edge) if static else ((edge >= 0).nonzero()[:, 0], None)
+    parted, slot = edge >= 0, None
+    if static:  # the pair in every slot, any where a slot is not used, and the slot of every pair, -1 for none
+        slots = len(edge) // MOST_PARTED + 1
+        slot = torch.where(parted, parted.cumsum(dim=0) - 1, -1)
+        pair, slot = torch.nonzero_static(parted, size=slots, fill_value=0)[:, 0], torch.where(slot < slots, slot, -1)
+    else:
+        pair = parted.nonzero()[:, 0]
     count = views * height * width
     below, first = pair >= count, pair % count
     view = first // (height * width)
@@ -61,14 +66,6 @@ def antialiased(
     into, out_of = torch.where(beyond > 0, second, first), torch.where(beyond > 0, first, second)
     source = torch.where(outward, at_outline.T, picture.index_select(1, out_of))
     return picture.index_add(1, into, beyond.abs() * (source - picture.index_select(1, into)))
-
-
-def _slots(edge: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
-    """The pair in every slot, any where a slot is not used, shape [slots], and the slot of every pair, -1 for none, shape [pairs]."""
-    parted = edge >= 0
-    slots = len(edge) // MOST_PARTED + 1
-    slot = torch.where(parted, parted.cumsum(dim=0) - 1, -1)
-    return torch.nonzero_static(parted, size=slots, fill_value=0)[:, 0], torch.where(slot < slots, slot, -1)
 
 
 def _spread(picture: torch.Tensor, outline: torch.Tensor, second_inside: torch.Tensor) -> torch.Tensor:

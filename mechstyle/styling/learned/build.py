@@ -15,8 +15,7 @@ from mechstyle.styling.dimensions import Dimensions
 from mechstyle.styling.drawing.operators import Operators
 from mechstyle.styling.drawn import Target
 from mechstyle.styling.learned.clip import Clip
-from mechstyle.styling.learned.clip_guidance import ClipGuidance
-from mechstyle.styling.learned.guidance import Guidance, TargetGuidance
+from mechstyle.styling.learned.guidance import ClipGuidance, Guidance, TargetGuidance
 from mechstyle.styling.learned.renderer import Renderer
 from mechstyle.styling.learned.style_field import StyleField
 from mechstyle.styling.learned.stylizer import FIELD_RATE, VERTEX_RATE, NeuralStylizer, VertexField

@@ -35,7 +35,15 @@ class Clip:
     """
 
     def __init__(self, model: CLIPModel, tokenizer: CLIPTokenizer, device: str = "cpu") -> None:
-        _quickened(model.vision_model)
+        # The same sums in fewer passes: patches by a product of matrices, and the factors of quick GELU within the weights around it.
+        model.vision_model.embeddings.patch_embedding = Patches(model.vision_model.embeddings.patch_embedding)
+        steep = [layer.mlp for layer in model.vision_model.encoder.layers if isinstance(layer.mlp.activation_fn, QuickGELUActivation)]
+        with torch.no_grad():
+            for perceptron in steep:
+                perceptron.activation_fn = nn.SiLU()
+                perceptron.fc1.weight *= STEEPNESS
+                perceptron.fc1.bias *= STEEPNESS
+                perceptron.fc2.weight /= STEEPNESS
         self._model = model.to(device=device, dtype=precision(device)).eval().requires_grad_(requires_grad=False)
         self._tokenizer = tokenizer
         self._device = device
@@ -54,7 +62,15 @@ class Clip:
         shown = logging.is_progress_bar_enabled()
         logging.disable_progress_bar()
         try:
-            model = CLIPModel.from_pretrained(None, config=_config(found), state_dict=_tensors(found), dtype=torch.float32)
+            tensors: dict[str, torch.Tensor] = {}
+            for name in sorted(set(found.tensors.values())):
+                with safe_open(found.folder / name, framework="pt") as file:
+                    tensors |= {tensor: file.get_tensor(tensor).float() for tensor, place in found.tensors.items() if place == name}
+            for tensor, values in tensors.items():
+                if not values.isfinite().all():
+                    place = found.folder / found.tensors[tensor]
+                    raise BadInput(f"the tensor {tensor} in {place} holds what is no number: get the folder again")
+            model = CLIPModel.from_pretrained(None, config=_config(found), state_dict=tensors, dtype=torch.float32)
         finally:
             if shown:
                 logging.enable_progress_bar()
@@ -89,18 +105,6 @@ def _config(found: Pretrained) -> CLIPConfig:
     return CLIPConfig(text_config={**text, **ends}, vision_config=vision, projection_dim=found.config.projection_dim)
 
 
-def _tensors(found: Pretrained) -> dict[str, torch.Tensor]:
-    """All tensors in float32, whatever they were saved in."""
-    tensors: dict[str, torch.Tensor] = {}
-    for name in sorted(set(found.tensors.values())):
-        with safe_open(found.folder / name, framework="pt") as file:
-            tensors |= {tensor: file.get_tensor(tensor).float() for tensor, place in found.tensors.items() if place == name}
-    for tensor, values in tensors.items():
-        if not values.isfinite().all():
-            raise BadInput(f"the tensor {tensor} in {found.folder / found.tensors[tensor]} holds what is no number: get the folder again")
-    return tensors
-
-
 class Patches(nn.Module):
     """The convolution that cuts pictures into patches, as a product of matrices: for its gradient cuDNN takes fifty times as long.
 
@@ -118,18 +122,6 @@ class Patches(nn.Module):
         apart = pictures.unfold(2, side, side).unfold(3, side, side)
         rows = functional.linear(apart.permute(0, 2, 3, 1, 4, 5).flatten(3), self.weight.flatten(1))
         return rows.permute(0, 3, 1, 2)
-
-
-def _quickened(vision: nn.Module) -> None:
-    """Do the same sums in fewer passes: patches by a product of matrices, and the factors of quick GELU within the weights around it."""
-    vision.embeddings.patch_embedding = Patches(vision.embeddings.patch_embedding)
-    steep = [layer.mlp for layer in vision.encoder.layers if isinstance(layer.mlp.activation_fn, QuickGELUActivation)]
-    with torch.no_grad():
-        for perceptron in steep:
-            perceptron.activation_fn = nn.SiLU()
-            perceptron.fc1.weight *= STEEPNESS
-            perceptron.fc1.bias *= STEEPNESS
-            perceptron.fc2.weight /= STEEPNESS
 
 
 def precision(device: str) -> torch.dtype:

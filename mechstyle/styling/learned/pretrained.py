@@ -140,14 +140,14 @@ def opened(folder: Path) -> Pretrained:
     """
     if not folder.is_dir():
         raise BadInput(f"{folder} is no folder: name the one that {CONFIG} and {WHOLE} are in")
-    _of_the_kind(folder)
+    _check_kind(folder)
     config, (words, word_files), (found, weight_files) = _config(folder), _words(folder), _weights(folder)
     _fit(folder, config, words)
-    tensors = _needed(folder, config, found)
+    tensors = _tensor_files(folder, config, found)
     return Pretrained(folder, config, words, tensors, tuple(sorted({CONFIG, *word_files, *weight_files})))
 
 
-def _of_the_kind(folder: Path) -> None:
+def _check_kind(folder: Path) -> None:
     """Refuse what is no CLIP in safetensors, saying what to do with what is there."""
     pickled = sorted(path.name for pattern in PICKLED for path in folder.glob(pattern))
     if pickled and not _weight_file(folder):
@@ -231,7 +231,7 @@ def _header(folder: Path, name: str) -> dict[str, tuple[Shape, str]]:
     """Shape and type of every tensor of a safetensors file, from its header alone."""
     from safetensors import SafetensorError, safe_open  # noqa: PLC0415 — part of the optional libraries
 
-    path = _inside(folder, name)
+    path = _path_within(folder, name)
     with path.open("rb") as begin:
         if int.from_bytes(begin.read(8), "little") > LARGEST_TEXT:
             raise BadInput(f"{folder / name} is no safetensors file: its header would be longer than any CLIP's; get it again")
@@ -243,7 +243,7 @@ def _header(folder: Path, name: str) -> dict[str, tuple[Shape, str]]:
         raise BadInput(f"{folder / name} is damaged or was cut off ({_first_line(error)}): get it again") from error
 
 
-def _needed(folder: Path, config: Config, found: dict[str, tuple[str, Shape, str]]) -> dict[str, str]:
+def _tensor_files(folder: Path, config: Config, found: dict[str, tuple[str, Shape, str]]) -> dict[str, str]:
     """The file of every tensor the model needs."""
     needed = {}
     for tensor, shape in tensors_of(config):
@@ -305,7 +305,7 @@ def _json(folder: Path, name: str, kind: type[T]) -> T:
 
 
 def _text(folder: Path, name: str) -> str:
-    path = _inside(folder, name)
+    path = _path_within(folder, name)
     if path.stat().st_size > LARGEST_TEXT:
         raise BadInput(f"{folder / name} has {path.stat().st_size >> 20} MiB, which no CLIP's has: name a folder that transformers saved")
     try:
@@ -314,7 +314,7 @@ def _text(folder: Path, name: str) -> str:
         raise BadInput(f"{folder / name} is damaged: it is no text; get it again") from error
 
 
-def _inside(folder: Path, name: str) -> Path:
+def _path_within(folder: Path, name: str) -> Path:
     """The real path of a file in the folder. It may be a link within it, or to a blob of the hub's cache that the folder is part of."""
     home = folder.resolve()
     homes = {home, home.parents[1] / "blobs"} if home.parent.name == "snapshots" else {home}

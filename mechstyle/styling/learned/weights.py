@@ -6,6 +6,7 @@ A folder of one's own, as transformers saves it, may also be used where it is; $
 from __future__ import annotations
 
 import hashlib
+import importlib.util
 import os
 import re
 import shutil
@@ -69,7 +70,20 @@ def located(wanted: str, store: Path) -> Weights:
     """
     recorded = IDENTITY.fullmatch(wanted)
     if recorded:
-        return _recorded(recorded[1], recorded[2], store)
+        name, digest = recorded.groups()
+        own, place = os.environ.get(OWN_FOLDER, ""), store / PLACES / digest
+        here = [folder for folder in stored(store) if hashlib.sha256((folder / SUMS).read_bytes()).hexdigest() == digest]
+        here += [Path(place.read_text())] if place.is_file() else []
+        others = [Path(own)] if own else [folder for folder in stored(store) if folder.name == name]
+        for folder in (*here, *others):
+            if folder.is_dir() and verified(folder).digest == digest:
+                return Weights(folder, f"{name}@{digest}")
+        if others:
+            raise BadInput(
+                f"this run was made with the CLIP weights {name}@{digest}, but {others[0]} holds {verified(others[0]).identity}: "
+                f"name the right folder with --clip or ${OWN_FOLDER}"
+            )
+        raise _missing(name)
     found = verified(_asked_for(wanted, store))
     if found.folder.parent != store:
         write_whole(store / PLACES / found.digest, str(found.folder.resolve()).encode())
@@ -93,23 +107,6 @@ def _asked_for(wanted: str, store: Path) -> Path:
     raise _missing(name)
 
 
-def _recorded(name: str, digest: str, store: Path) -> Weights:
-    """The weights a recipe recorded, wherever they are and whatever they are called here."""
-    own, place = os.environ.get(OWN_FOLDER, ""), store / PLACES / digest
-    here = [folder for folder in stored(store) if hashlib.sha256((folder / SUMS).read_bytes()).hexdigest() == digest]
-    here += [Path(place.read_text())] if place.is_file() else []
-    others = [Path(own)] if own else [folder for folder in stored(store) if folder.name == name]
-    for folder in (*here, *others):
-        if folder.is_dir() and verified(folder).digest == digest:
-            return Weights(folder, f"{name}@{digest}")
-    if others:
-        raise BadInput(
-            f"this run was made with the CLIP weights {name}@{digest}, but {others[0]} holds {verified(others[0]).identity}: "
-            f"name the right folder with --clip or ${OWN_FOLDER}"
-        )
-    raise _missing(name)
-
-
 def _missing(name: str) -> MissingPiece:
     once = f"fetch them once with `mechstyle weights fetch {name}`" if name in KNOWN else "add their folder with `mechstyle weights add`"
     return MissingPiece(
@@ -122,17 +119,13 @@ def verified(folder: Path) -> Weights:
     """A folder that holds a whole CLIP; one of the store, besides, the very files that were fetched or added."""
     kept = folder / SUMS
     if kept.is_file():
-        _unchanged(folder, kept.read_text(errors="replace").splitlines())
+        again = f"run `mechstyle weights fetch {folder.name}` again" if folder.name in KNOWN else "remove the folder and add it again"
+        for line in kept.read_text(errors="replace").splitlines():
+            digest, _, name = line.partition("  ")
+            if (folder / name).is_file() and _sha256(folder / name) != digest:
+                raise BadInput(f"{folder / name} is not the file that {SUMS} beside it tells of: {again}")
     found = listing(folder, opened(folder).files)
     return Weights(folder, f"{folder.resolve().name}@{hashlib.sha256(found.encode()).hexdigest()}")
-
-
-def _unchanged(folder: Path, sums: list[str]) -> None:
-    for line in sums:
-        digest, _, name = line.partition("  ")
-        if (folder / name).is_file() and _sha256(folder / name) != digest:
-            again = f"run `mechstyle weights fetch {folder.name}` again" if folder.name in KNOWN else "remove the folder and add it again"
-            raise BadInput(f"{folder / name} is not the file that {SUMS} beside it tells of: {again}")
 
 
 def listing(folder: Path, files: Sequence[str] = FILES) -> str:
@@ -222,30 +215,39 @@ def _from_hub(repository: str, file: str, folder: Path) -> str:
     """Download one file; of large files the hub publishes the SHA-256."""
     from huggingface_hub import HfApi, hf_hub_download  # noqa: PLC0415 — part of the optional libraries
 
+    hub = HfApi()
     try:
-        revision = _revision_with(file, repository)
-        path = hf_hub_download(repository, file, revision=revision, local_dir=folder)
-        (about,) = HfApi().get_paths_info(repository, [file], revision=revision)
-    except MissingPiece:
-        raise
+        revision, path = "main", ""
+        about: object = None
+        if not hub.file_exists(repository, file):  # the hub keeps its own conversion to safetensors as a pull request
+            proposals = hub.get_repo_discussions(repository, author="SFconvertbot", discussion_type="pull_request")
+            revisions = (each.git_reference for each in proposals if each.git_reference)
+            revision = next((one for one in revisions if hub.file_exists(repository, file, revision=one)), "")
+        if revision:
+            path = hf_hub_download(repository, file, revision=revision, local_dir=folder)
+            (about,) = hub.get_paths_info(repository, [file], revision=revision)
     except Exception as error:  # what a lost connection raises depends on the HTTP library that the hub's client uses
         reason = (str(error).strip().splitlines() or [type(error).__name__])[0]
         raise MissingPiece(f"{file} of {repository} could not be fetched ({reason}): check the connection and try again") from error
+    if not revision:
+        raise MissingPiece(f"{repository} has no {file}, and no other kind of file is read: name a folder of your own with --clip")
     assert Path(path) == folder / file
     large = getattr(about, "lfs", None)
     return large.sha256 if large is not None else ""
 
 
-def _revision_with(file: str, repository: str) -> str:
-    """The main revision, or where it lacks a safetensors file the hub's own conversion of it, which is kept as a pull request."""
-    from huggingface_hub import HfApi  # noqa: PLC0415
+LIBRARIES = ("torch", "transformers", "safetensors")
 
-    hub = HfApi()
-    if hub.file_exists(repository, file):
-        return "main"
-    proposals = hub.get_repo_discussions(repository, author="SFconvertbot", discussion_type="pull_request")
-    revisions = (each.git_reference for each in proposals if each.git_reference)
-    found = next((revision for revision in revisions if hub.file_exists(repository, file, revision=revision)), None)
-    if found is None:
-        raise MissingPiece(f"{repository} has no {file}, and no other kind of file is read: name a folder of your own with --clip")
-    return found
+
+def need_clip_extra() -> None:
+    """Refuse what needs torch where it is not installed.
+
+    Raises:
+        MissingPiece: With the command that installs it and what works without.
+    """
+    absent = [name for name in LIBRARIES if importlib.util.find_spec(name) is None]
+    if absent:
+        raise MissingPiece(
+            f"the network and CLIP need {', '.join(absent)}: install with `pip install 'mechstyle[clip]'`, "
+            "or use the offline styles on vertices (guidance 'offline', field 'vertex'), which need neither"
+        )

@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from mechstyle.pictures import shading
+from mechstyle.pictures import scene
 from mechstyle.runs.report.markup import IN_A_REPORT, bundle, static
 
 
@@ -36,7 +36,7 @@ def test_the_bundle_has_no_import_no_export_and_every_module():
 
 def test_the_shaders_have_no_light_of_their_own():
     text = static("shaders.js")
-    for number in (shading.KEY_LIGHT, shading.FILL_LIGHT, shading.SKY_LIGHT, shading.GROUND_LIGHT, *shading.KEY):
+    for number in (scene.KEY_LIGHT, scene.FILL_LIGHT, scene.SKY_LIGHT, scene.GROUND_LIGHT, *scene.KEY):
         assert not re.search(rf"\b{abs(number):.2f}\b", text), number
     light = text.split("float light(")[1].split("\n}")[0]
     assert set(re.findall(r"\d*\.\d+", light)) <= {"0.0", "0.5", "1.0"}

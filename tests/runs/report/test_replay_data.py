@@ -9,7 +9,7 @@ from msgspec.structs import replace as replace_fields
 
 from mechstyle.errors import BadInput
 from mechstyle.loop.store import Lane, Store
-from mechstyle.pictures import shading
+from mechstyle.pictures import scene
 from mechstyle.records import sentences
 from mechstyle.runs.report.replay_data import LEVELS, NO_NUMBER, Channel, _quantised, replay_data
 from mechstyle.runs.run import Run
@@ -109,8 +109,8 @@ def test_a_field_that_is_the_same_everywhere_has_a_scale_of_its_own_size(sheet):
 
 def test_the_light_is_that_of_the_figures(lane):
     assert replay_data(lane).header["light"] == {
-        "key": list(shading.KEY), "keyLight": shading.KEY_LIGHT, "fill": list(shading.FILL), "fillLight": shading.FILL_LIGHT,
-        "sky": shading.SKY_LIGHT, "ground": shading.GROUND_LIGHT, "flatness": shading.FLATNESS,
+        "key": list(scene.KEY), "keyLight": scene.KEY_LIGHT, "fill": list(scene.FILL), "fillLight": scene.FILL_LIGHT,
+        "sky": scene.SKY_LIGHT, "ground": scene.GROUND_LIGHT, "flatness": scene.FLATNESS,
     }  # fmt: skip
 
 

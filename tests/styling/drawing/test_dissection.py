@@ -5,9 +5,8 @@ from scipy.sparse.linalg import splu
 
 from mechstyle.geometry.subdivision import subdivided
 from mechstyle.records.mesh import SurfaceMesh
-from mechstyle.styling.drawing import dissection
-from mechstyle.styling.drawing.dissection import Factors, dissected
-from mechstyle.styling.drawing.operators import Operators
+from mechstyle.styling.drawing import operators
+from mechstyle.styling.drawing.operators import Factors, Operators, dissected
 
 
 def heat(mesh: SurfaceMesh, length: float = 5.0) -> sp.csr_array:
@@ -28,7 +27,7 @@ def test_every_vertex_is_eliminated_once(holder):
 
 def test_what_parts_a_piece_comes_after_both_of_its_halves():
     """A row of vertices longer than a piece: the last to be eliminated parts it in the middle."""
-    count = 2 * dissection.LEAST
+    count = 2 * operators.LEAST
     line = np.stack([np.arange(count), np.zeros(count), np.zeros(count)], axis=1)
     order = dissected(line.astype(float), np.stack([np.arange(count - 1), np.arange(1, count)], axis=1).astype(np.int32))
     assert order[-1] == count // 2 - 1
@@ -49,6 +48,6 @@ def test_a_system_is_solved_for_one_side_and_for_several(holder, shape):
 
 
 def test_vertices_in_one_place_are_parted_all_the_same():
-    count = 5 * dissection.LEAST
+    count = 5 * operators.LEAST
     order = dissected(np.zeros((count, 3)), np.stack([np.arange(count - 1), np.arange(1, count)], axis=1).astype(np.int32))
     assert np.array_equal(np.sort(order), np.arange(count))

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from mechstyle.styling.drawing.canvas import Canvas
-from mechstyle.styling.drawing.colours import luminance, recoloured, rgb, shaded
-from mechstyle.styling.drawing.finishes import FINISHES, finish_of
+from mechstyle.styling.drawing.colours import FINISHES, finish_of, luminance, recoloured, rgb, shaded
 from mechstyle.styling.vocabulary import COLOURS, SHADES
 
 METALS = ("gold", "copper", "bronze", "brass", "rose_gold", "silver", "chrome", "platinum", "gunmetal", "rust")

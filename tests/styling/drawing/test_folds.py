@@ -1,7 +1,6 @@
 import numpy as np
 
-from mechstyle.styling.drawing.folds import unfolded
-from mechstyle.styling.drawing.operators import Operators
+from mechstyle.styling.drawing.operators import Operators, unfolded
 
 
 def turns(mesh, displacement):

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
+from mechstyle.styling.drawing.charts import horizontal_lines, stripes
 from mechstyle.styling.drawing.operators import Operators
-from mechstyle.styling.drawing.stripes import horizontal_lines, stripes
 
 
 @pytest.fixture(scope="module")

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from mechstyle.styling.drawing.canvas import Bond
-from mechstyle.styling.drawing.tilings import beneath, dome, fans, folded, hanging
+from mechstyle.styling.drawing.canvas import Bond, beneath, dome, fans, folded, hanging
 
 
 def test_a_folded_phase_is_the_way_to_the_nearest_whole_number():

@@ -1,7 +1,7 @@
 import pytest
 import torch
 
-from mechstyle.styling.learned.augment import Warps, homographies, random_warps, warped
+from mechstyle.styling.learned.guidance import Warps, homographies, random_warps, warped
 
 CORNERS = torch.tensor([[(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]])
 SIZE = 32

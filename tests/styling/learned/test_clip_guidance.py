@@ -6,9 +6,8 @@ import torch
 from scipy.spatial import ConvexHull
 
 from mechstyle.records.mesh import SurfaceMesh
-from mechstyle.styling.learned.augment import Warps, warped
 from mechstyle.styling.learned.clip import Clip
-from mechstyle.styling.learned.clip_guidance import VIEWS, ClipGuidance
+from mechstyle.styling.learned.guidance import VIEWS, ClipGuidance, Warps, warped
 from mechstyle.styling.learned.renderer import Renderer
 from mechstyle.styling.learned.style_field import StyleField
 from mechstyle.styling.learned.stylizer import FIELD_RATE, VERTEX_RATE, NeuralStylizer, VertexField

@@ -5,11 +5,10 @@ import pytest
 import torch
 
 from mechstyle.styling.learned.clip import Clip
-from mechstyle.styling.learned.clip_guidance import ClipGuidance
-from mechstyle.styling.learned.cuda_graph import WARM_UP
+from mechstyle.styling.learned.guidance import ClipGuidance
 from mechstyle.styling.learned.renderer import Renderer
 from mechstyle.styling.learned.style_field import StyleField
-from mechstyle.styling.learned.stylizer import FIELD_RATE, NeuralStylizer
+from mechstyle.styling.learned.stylizer import FIELD_RATE, WARM_UP, NeuralStylizer
 from mechstyle.styling.learned.unit_shape import UnitShape
 
 pytestmark = pytest.mark.skipif(not torch.cuda.is_available(), reason="needs a CUDA device and a torch built for it")

@@ -1,7 +1,7 @@
 import pytest
 import torch
 
-from mechstyle.styling.learned.rows import added, blended, placed, taken, whole_sums
+from mechstyle.styling.learned.tensors import added, blended, placed, taken, whole_sums
 
 
 @pytest.fixture

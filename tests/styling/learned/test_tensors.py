@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 import torch
 
-from mechstyle.pictures.raster.visibility import visible
+from mechstyle.pictures.visibility import visible
 from mechstyle.styling.learned import tensors
 from mechstyle.styling.learned.tensors import edges_of, face_of, nearest_faces, parting_edges
 

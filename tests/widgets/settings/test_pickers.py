@@ -15,7 +15,7 @@ from mechstyle.records.recipe import BASES
 from mechstyle.records.regions import Inside, Sphere
 from mechstyle.runs.images import digest_of
 from mechstyle.runs.recipes import draft
-from mechstyle.styling.image_files import png_of
+from mechstyle.styling.drawing.raster import png_of
 from mechstyle.styling.library import names
 from mechstyle_widgets.settings.drop import ONCE, DropOptions
 from mechstyle_widgets.settings.material import MaterialPicker

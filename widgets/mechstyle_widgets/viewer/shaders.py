@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from mechstyle._colour import linear_to_srgb
 from mechstyle.pictures.colormap import ABOVE, ABSENT, LINE, PLAIN, STEPS, STRIPE, UNKNOWN, Scale
-from mechstyle.pictures.shading import FILL, FILL_LIGHT, FLATNESS, GROUND_LIGHT, KEY, KEY_LIGHT, SKY_LIGHT
+from mechstyle.pictures.scene import FILL, FILL_LIGHT, FLATNESS, GROUND_LIGHT, KEY, KEY_LIGHT, SKY_LIGHT
 
 OWN, NOTHING, OPEN = 1000.0, -1000.0, -3.0
 MAXIMUM, MINIMUM, PICKED, END, PIN, HIDDEN = 0.0, 1.0, 2.0, 3.0, 10.0, -1.0  # kinds of markers; PIN + 1 is number 1

@@ -1,19 +1,20 @@
-"""Coats of animals: fur, the spots of leopard and giraffe, the stripes of a zebra, and the patches that hide a soldier."""
+"""Coats and skins of animals: fur, leather, the spots and stripes of big cats, and the patches that hide a soldier."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from mechstyle.records.mesh import Floats
-from mechstyle.styling.drawing.canvas import Canvas
+from mechstyle.styling.drawing.canvas import Canvas, dome, folded
 from mechstyle.styling.drawing.colours import mix, ramp, rgb, smoothstep
-from mechstyle.styling.style import Relief, Style
+from mechstyle.styling.style import Relief, style
 
 LOCK, LENGTH, ROSETTE, PATCH, STRIPE, BLOTCH, HATCH = 12.0, 30.0, 17.0, 27.0, 15.0, 40.0, 5.2
 DROOP = np.array([1.0, 1.0, 0.22])  # hair hangs down
 DRAB = ("2f3324", "8b7f56", "5c6b3a", "3f4d2c")
 
 
+@style("shaggy locks of hair, hanging over each other", feature_mm=15.0)
 def fur(canvas: Canvas) -> Relief:
     """Locks of hair that hang over each other every which way, each drawn out into strands that meet at its tip."""
     unit = canvas.unit("strands", 3.4, edges=1.8)
@@ -30,11 +31,12 @@ def fur(canvas: Canvas) -> Relief:
     raised = -0.9 + 1.9 * down - 1.3 * aside**2 * smoothstep(0.1, 0.6, down) + 0.85 * strand * np.clip(2.5 * half / LOCK, 0.0, 1.0)
     front = np.where(there, down, -1.0).argmax(axis=1)[:, None]  # tips lie over roots
     height, hair = (np.take_along_axis(field, front, axis=1)[:, 0] for field in (np.where(there, raised, -0.9), strand))
-    tone = np.clip(0.30 + 0.35 * height + 0.14 * hair, 0.0, 1.0)
+    tone = 0.30 + 0.35 * height + 0.14 * hair
     coat = canvas.painted(ramp(["3b2615", "7a532f", "b98d58", "e8cfa2"], tone))
     return Relief(canvas.softened(np.clip(height, -1.05, 1.1)), canvas.softened(coat))
 
 
+@style("broken rings of dark raised spots on a golden coat", feature_mm=ROSETTE)
 def leopard(canvas: Canvas) -> Relief:
     """Broken rings of raised spots around darker hollows."""
     unit = canvas.unit("spots", 4.2, edges=2.0)
@@ -47,11 +49,12 @@ def leopard(canvas: Canvas) -> Relief:
     blots = 0.5 + 0.5 * np.cos(np.where(own < 0.5, 3.0, 4.0) * angle)
     ring = smoothstep(0.36, 0.20, np.abs(reach - 0.62) + 0.20 * (1.0 - blots)) * smoothstep(0.2, 0.5, spots.facing[:, 0])
     heart = smoothstep(0.62, 0.40, reach) * (1.0 - ring)
-    coat = ramp(["b9772c", "d8a252", "ecc98a"], np.clip(0.5 + 0.4 * hair + 0.3 * uneven, 0.0, 1.0))
+    coat = ramp(["b9772c", "d8a252", "ecc98a"], 0.5 + 0.4 * hair + 0.3 * uneven)
     colour = mix(mix(canvas.painted(coat), canvas.painted(coat) * 0.62, heart), rgb("1c120b"), ring)
     return Relief(canvas.softened(-0.60 + 1.55 * ring - 0.35 * heart + 0.14 * hair), canvas.softened(colour))
 
 
+@style("large angular brown patches between pale lines", feature_mm=PATCH)
 def giraffe(canvas: Canvas) -> Relief:
     """Large angular patches with soft ragged borders, close together."""
     unit = canvas.unit("lines between patches", 4.4, edges=2.0)
@@ -60,14 +63,15 @@ def giraffe(canvas: Canvas) -> Relief:
     hair, own = _hair(canvas, unit), canvas.random(patches.identity, "own") - 0.5
     edge = patches.edge / unit
     patch, middle = smoothstep(1.3, 3.1, edge), smoothstep(3.0, 0.45 * PATCH, edge)
-    brown = ramp(["4a2510", "7c421c", "a9652c", "c88a48"], np.clip(0.60 - 0.45 * middle + 0.30 * own + 0.20 * hair, 0.0, 1.0))
-    cream = ramp(["d9bd8c", "f0dcb4"], np.clip(0.5 + 0.4 * hair, 0.0, 1.0))
+    brown = ramp(["4a2510", "7c421c", "a9652c", "c88a48"], 0.60 - 0.45 * middle + 0.30 * own + 0.20 * hair)
+    cream = ramp(["d9bd8c", "f0dcb4"], 0.5 + 0.4 * hair)
     return Relief(
         canvas.softened(-0.90 + patch * (1.45 + 0.35 * middle + 0.20 * own) + 0.14 * hair),
         canvas.softened(mix(cream, canvas.painted(brown), patch)),
     )
 
 
+@style("black stripes on white that sway, fork and taper", feature_mm=STRIPE)
 def zebra(canvas: Canvas) -> Relief:
     """Stripes that sway, fork and taper."""
     unit = canvas.unit("stripes", 0.5 * STRIPE, edges=2.2)
@@ -77,11 +81,12 @@ def zebra(canvas: Canvas) -> Relief:
     wave = np.cos(2.0 * np.pi * (phase + 1.6 * sway) + np.arctan2(other, one))
     full, hair = smoothstep(0.0, 0.10, np.hypot(one, other)), _hair(canvas, unit)
     stripe = smoothstep(-0.22, 0.34, wave * full + 0.25 * canvas.noise(18.0 * unit, 2, "width"))
-    white = canvas.painted(ramp(["d8d2c4", "f6f3ea"], np.clip(0.5 + 0.5 * hair, 0.0, 1.0)))
-    black = ramp(["0d0c0c", "2a2624"], np.clip(0.5 + 0.5 * hair, 0.0, 1.0))
+    white = canvas.painted(ramp(["d8d2c4", "f6f3ea"], 0.5 + 0.5 * hair))
+    black = ramp(["0d0c0c", "2a2624"], 0.5 + 0.5 * hair)
     return Relief(canvas.softened(-0.80 + 1.60 * stripe + 0.14 * hair), canvas.softened(mix(white, black, stripe)))
 
 
+@style("blotches of four drab tones, each hatched its own way", feature_mm=26.0)
 def camouflage(canvas: Canvas) -> Relief:
     """Blotches of four tones laid over each other, each a step higher and with a hatch of its own, which is its tone where all is grey."""
     unit = canvas.unit("lines of the hatches", HATCH, edges=4.5)
@@ -104,13 +109,24 @@ def _hair(canvas: Canvas, unit: float) -> Floats:
     return canvas.noise(5.0 * unit, 2, "hair", at=canvas.points * DROOP)
 
 
-STYLES = {
-    style.name: style
-    for style in (
-        Style(name="fur", description="shaggy locks of hair, hanging over each other", feature_mm=15.0, program=fur),
-        Style(name="leopard", description="broken rings of dark raised spots on a golden coat", feature_mm=ROSETTE, program=leopard),
-        Style(name="giraffe", description="large angular brown patches between pale lines", feature_mm=PATCH, program=giraffe),
-        Style(name="zebra", description="black stripes on white that sway, fork and taper", feature_mm=STRIPE, program=zebra),
-        Style(name="camouflage", description="blotches of four drab tones, each hatched its own way", feature_mm=26.0, program=camouflage),
-    )
-}
+PEBBLE, WIDE, HIGH, STITCH = 5.4, 88.0, 58.0, 9.0
+
+
+@style("brown leather with a fine grain, sewn in panels with pale thread", feature_mm=10.0)
+def leather(canvas: Canvas) -> Relief:
+    """Panels with a fine grain, sewn together: they swell between the seams, and a row of stitches runs on both sides of each."""
+    unit = canvas.unit("pebbles of the hide", PEBBLE, edges=3.0)
+    grain = canvas.cells(PEBBLE * unit, "grain", at=canvas.warped(6.0 * unit, 1.2 * unit, "grain"))
+    cushion = smoothstep(0.0, 0.30 * PEBBLE, grain.edge / unit)
+    bond = canvas.bond(WIDE * unit, HIGH * unit, shift=0.0)
+    x, y = np.abs(bond.x) * WIDE, np.abs(bond.y) * HIGH
+    across, level = 0.5 * WIDE - x, 0.5 * HIGH - y  # ways to the upright and to the level seam
+    seam, along = np.minimum(across, level), np.where(across < level, y, x)
+    sewn = smoothstep(9.5, 7.5, seam)
+    thread = dome(np.hypot((seam - 5.2) / 2.3, STITCH * folded(along / STITCH) / 3.1))
+    patina, own = canvas.noise(36.0 * unit, 3, "patina"), canvas.random(grain.identity, "tone") - 0.5
+    swell = smoothstep(0.4, 2.4, seam) * (1.0 + 0.35 * smoothstep(12.0, 3.0, seam)) - 0.75 * smoothstep(3.2, 2.0, np.abs(seam - 5.2))
+    height = -1.0 + 0.75 * swell + 1.25 * cushion * (1.0 - sewn) + 0.45 * sewn + 1.35 * thread + 0.10 * own * cushion
+    tone = 0.30 + 0.36 * cushion + 0.22 * patina + 0.16 * own - 0.30 * (seam < 1.5)
+    hide = canvas.painted(ramp(["5a2f1a", "8a4c27", "b06c3c", "d09a66"], tone))
+    return Relief(canvas.softened(height), canvas.softened(mix(hide, rgb("ecd9b0"), smoothstep(0.2, 0.5, thread))))

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from mechstyle._warp import without_native_stderr, wp
 from mechstyle.errors import BadInput, MissingPiece
-from mechstyle.pictures.raster import kernels
+from mechstyle.pictures import kernels
 
 SUBPIXELS = 1024  # grid steps per pixel
 GUARD = 1 << 16  # pixels beyond which a face is dropped: products of two coordinates must fit an int64

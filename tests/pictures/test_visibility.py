@@ -4,7 +4,7 @@ from scipy.spatial import Delaunay
 
 from mechstyle.errors import BadInput, MissingPiece
 from mechstyle.pictures.camera import Camera
-from mechstyle.pictures.raster.visibility import visible
+from mechstyle.pictures.visibility import visible
 
 
 def flat(points, depth=1.0):

@@ -1,1 +1,0 @@
-"""Visibility of a surface in each pixel, for pictures and for the differentiable renderer."""
