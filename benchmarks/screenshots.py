@@ -1,6 +1,6 @@
 """Draws the pictures of the Studio and of a report in docs/ again, from the real ones in headless Chromium.
 
-python benchmarks/screenshots.py                       # a quick run of the wall hook, and a branch of it
+python benchmarks/screenshots.py                       # a run of the lessons' pawn, and a branch of it
 python benchmarks/screenshots.py --states FOLDER       # every state of the Studio at four widths in both themes, to look at
 python benchmarks/screenshots.py --states FOLDER --widths 1440 --themes Light
 """
@@ -20,19 +20,19 @@ WIDTH, HEIGHT = 1340, 1700  # of the window [pixels]
 REPORT, SCALE = (1100, 1800), 0.75
 PATIENCE = 900_000  # for a run [ms]
 STUDIO = """
+from mechstyle.teaching import LESSON
 from mechstyle_widgets import Studio
-quick = {"vertices": 4000, "iterations": 12, "every": 4, "orientations": 2, "nearly_flat": False, "window": 0.4, "element": "tet4"}
-studio = Studio("gallery:wall_hook", prompt="brick", relief=1.2, folder="hook", schedule="every", **quick)
+studio = Studio(folder="pawn", **LESSON)
 studio
 """
 PAINTED = """
 from mechstyle_widgets import Studio
-painted = Studio("gallery:wall_hook", prompt="brick", relief=1.2, protect=["sphere 0 -9 28 8", "sphere 0 -36 6 9"])
+painted = Studio(protect=["sphere 0 -14 55 9", "sphere 0 -15 4 7"])
 painted._groups[0].unfolded = painted._groups[1].unfolded = False
 painted._groups[5].unfolded = True
 painted
 """
-BRANCH = "studio.branches.pin(); studio.controller.branch(4, lane='cautious', threshold=0.1)"
+BRANCH = "studio.branches.pin(); studio.controller.branch(20, lane='cautious', threshold=0.1)"
 COMPARED = "studio._tabs.selected_index = 1; studio.state.layer = 'restraint'"
 
 
@@ -41,7 +41,7 @@ STATES = {
     "unknown-prompt": "studio.prompt_box.prompt = 'my own idea'",
     "sheet": "studio.prompt_box.prompt = 'brick'; studio.prompt_box._chips.all = True",
     "page": "studio.prompt_box._chips.all = False; studio._groups[6].unfolded = True",
-    "pull": "studio.close_page(); studio.viewer._clicks((0.0, 9.4, 49.5))",
+    "pull": "studio.close_page(); studio.viewer._clicks((0.0, 0.0, 67.6))",
     "finished": "studio.viewer.arrow = (); studio.controller.run()",
     "stress": "studio.state.layer = 'stress'; studio.viewer.stepped = True",
     "what-if": "studio.viewer.stepped = False; studio.show_mask(); studio.mask_inspector.selector.threshold = 0.3",
