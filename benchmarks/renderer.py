@@ -19,7 +19,7 @@ from mechstyle.styling.learned.renderer import Renderer, random_views
 AROUND, ALONG = 250, 100
 BUDGET = 350.0
 """Milliseconds of forward and backward of five views of 224² on one core."""
-VARIANTS = {"hard outlines": {"antialias": False}, "faded outlines": {}, "kaolin_compat": {"kaolin_compat": True}}
+VARIANTS = {"hard outlines": {"antialias": False}, "faded outlines": {}}
 
 
 def torus(device: str) -> tuple[torch.Tensor, torch.Tensor]:

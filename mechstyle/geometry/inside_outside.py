@@ -174,15 +174,12 @@ def _rolls_out(room: Bools, way: tuple[int, ...]) -> Bools:
     free, steps = room, 1
     while steps < max(room.shape):
         ahead = np.ones_like(free)
-        here, there = zip(*(_overlap(size, steps * along) for size, along in zip(room.shape, way, strict=True)), strict=True)
+        far = [(size, steps * along) for size, along in zip(room.shape, way, strict=True)]
+        here = tuple(slice(max(0, -step), max(0, size - max(0, step))) for size, step in far)  # what has a place so far ahead …
+        there = tuple(slice(max(0, step), max(0, size + min(0, step))) for size, step in far)  # … and that place
         ahead[here] = free[there]
         free, steps = free & ahead, 2 * steps
     return free
-
-
-def _overlap(size: int, ahead: int) -> tuple[slice, slice]:
-    """The places along an axis that have one so far ahead, and these."""
-    return slice(max(0, -ahead), max(0, size - max(0, ahead))), slice(max(0, ahead), max(0, size + min(0, ahead)))
 
 
 def escaping(tree: TriangleTree, points: Floats, normals: Floats, skin: float, reach: float) -> Floats:

@@ -284,20 +284,15 @@ def lanes(store: Store, histories: Mapping[str, Sequence[Entry]]) -> list[Branch
 
 
 def _branch(store: Store, lane: str, histories: Mapping[str, Sequence[Entry]]) -> Branch:
-    summary, forked_from = LaneSummary.of(store, lane, histories[lane]), store.lane(lane).forked_from
+    summary, forked_from, parent = LaneSummary.of(store, lane, histories[lane]), store.lane(lane).forked_from, ""
+    for name, history in histories.items() if forked_from else ():  # the one that holds it after the place where it was branched itself
+        own, start = [entry.digest for entry in history], store.lane(name).forked_from
+        if forked_from in own and (start not in own or own.index(start) < own.index(forked_from)):
+            parent = name
+            break
     return Branch(
         **msgspec.structs.asdict(summary),
-        parent=_parent(store, forked_from, histories) if forked_from else "",
+        parent=parent,
         outcome=next((entry.verdict.outcome for entry in reversed(histories[lane]) if entry.verdict is not None), ""),
         changes=store.recipe(store.entry(forked_from).recipe).differences(summary.recipe, by_figure=True) if forked_from else (),
     )
-
-
-def _parent(store: Store, forked_from: str, histories: Mapping[str, Sequence[Entry]]) -> str:
-    """The lane that made a checkpoint: the one that holds it after the place where it was branched itself."""
-    for lane, history in histories.items():
-        own = [entry.digest for entry in history]
-        start = store.lane(lane).forked_from
-        if forked_from in own and (start not in own or own.index(start) < own.index(forked_from)):
-            return lane
-    return ""

@@ -160,8 +160,13 @@ def flat_stress(row: Row) -> Quantity:
 
 def nearly_flat_stress(row: Row) -> Quantity:
     """Largest stress of the nearly flat landings against the limit of their row [MPa]."""
+
+    def largest(simulation: Simulation) -> NDArray[np.float32]:
+        fields = [simulation.stress_of(landing=landing.name) for landing in simulation.of("nearly flat")]
+        return np.maximum.reduce(fields) if fields else np.zeros(len(simulation.displacement), np.float32)
+
     quantity = _against(row.limit, "nearly_flat_stress", "largest stress of the nearly flat landings", "MPa", row)
-    return replace(quantity, note=f"all of them; {row.landing} decides", tested=_nearly_flat)
+    return replace(quantity, note=f"all of them; {row.landing} decides", tested=largest)
 
 
 def load_stress(row: Row) -> Quantity:
@@ -169,11 +174,6 @@ def load_stress(row: Row) -> Quantity:
     name = f"load_{re.sub('[^A-Za-z0-9]+', '_', row.load)}"
     quantity = _against(row.limit, name, f"stress under the load {row.load!r}", "MPa", row)
     return replace(quantity, tested=lambda simulation: simulation.stress_of(load=row.load))
-
-
-def _nearly_flat(simulation: Simulation) -> NDArray[np.float32]:
-    fields = [simulation.stress_of(landing=landing.name) for landing in simulation.of("nearly flat")]
-    return np.maximum.reduce(fields) if fields else np.zeros(len(simulation.displacement), np.float32)
 
 
 TESTS: dict[str, Callable[[Row], Quantity]] = {"flat": flat_stress, "nearly flat": nearly_flat_stress, "load": load_stress}

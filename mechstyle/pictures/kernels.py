@@ -48,14 +48,11 @@ def draw(
     size: wp.vec3i,
     scale: wp.vec2d,
     nearest: wp.array(dtype=wp.int64),
-    hidden: wp.array(dtype=wp.bool),
 ) -> None:
     """One thread per view and face.
 
-    `size` is (points per view, height, width), `scale` (sub-pixels, 1 to skip back faces), `hidden` the faces to skip, none if empty.
+    `size` is (points per view, height, width), `scale` (sub-pixels, 1 to skip back faces).
     """
-    if hidden.shape[0] > 0 and hidden[wp.tid()]:
-        return
     view = wp.tid() // faces.shape[0]
     face = wp.tid() - view * faces.shape[0]
     a = view * size[0] + faces[face, 0]

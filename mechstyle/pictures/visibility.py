@@ -72,7 +72,7 @@ def visible(points_ndc: ArrayLike, faces: ArrayLike, width: int, height: int, *,
         corners: Any = wp.array(snapped, dtype=wp.int64)
         nearness: Any = wp.array((np.where(kept, inverse, 0.0) * near).ravel(), dtype=wp.float64)
         inputs: list[Any] = [corners, nearness, wp.array(triangles, dtype=wp.int32, ndim=2), size, scale, nearest]
-        wp.launch(kernels.draw, dim=math.prod(views) * len(triangles), inputs=[*inputs, wp.empty(0, dtype=wp.bool)])
+        wp.launch(kernels.draw, dim=math.prod(views) * len(triangles), inputs=inputs)
         wp.launch(kernels.resolve, dim=math.prod(shape), inputs=[*inputs, seen, weights, depth])
         return Visibility(
             face=seen.numpy().reshape(shape),

@@ -286,17 +286,18 @@ def _option(words: list[str], name: str, values: int) -> float | None:
 
 
 def regions(given: str | Region | Sequence[str | Region]) -> tuple[Region, ...]:
-    """Regions from records or from their notation, one or several."""
-    several = [given] if isinstance(given, str | ProtectedRegion) else list(given)
-    return tuple(region(one) if isinstance(one, str) else _as_read(one) for one in several)
+    """Regions from records or from their notation, one or several, as they would be read from disk.
 
-
-def _as_read(one: object) -> Region:
-    """A region as it would be read from disk, so that (0, 0, 1) and [0.0, 0.0, 1.0] are one recipe."""
-    try:
-        return msgspec.convert(msgspec.to_builtins(one, enc_hook=lambda value: value.tolist()), Region)
-    except (msgspec.ValidationError, AttributeError, TypeError) as error:
-        raise BadInput(f"{one!r} is no region to protect ({error}): write `inside` or ms.Box((0, 0, 0), (10, 10, 10))") from error
+    So (0, 0, 1) and [0.0, 0.0, 1.0] are one recipe.
+    """
+    found = list[Region]()
+    for one in [given] if isinstance(given, str | ProtectedRegion) else given:
+        try:
+            plain = msgspec.to_builtins(region(one) if isinstance(one, str) else one, enc_hook=lambda value: value.tolist())
+            found.append(msgspec.convert(plain, Region))
+        except (msgspec.ValidationError, AttributeError, TypeError) as error:
+            raise BadInput(f"{one!r} is no region to protect ({error}): write `inside` or ms.Box((0, 0, 0), (10, 10, 10))") from error
+    return tuple(found)
 
 
 def _check_length(what: str, length: float) -> None:

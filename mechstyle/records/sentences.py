@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from mechstyle.records.written import written
 
 if TYPE_CHECKING:
-    from mechstyle.records.verdict import Doubt, Row, Verdict
+    from mechstyle.records.verdict import Row, Verdict
 
 COLUMNS = ("test", "plain", "styled", "asked", "reserve", "outcome")
 """Headings of `table`."""
@@ -173,18 +173,17 @@ def doubt(verdict: Verdict) -> str:
         ways = " or ".join(["less relief"] * bool(verdict.style) + ["a lower fall"] * dropped + ["a smaller load"] * loaded)
         repeats = "the test repeats" if len(near) == 1 else "these tests repeat"
         reasons.append(f"{_listed(tests)}, closer than {repeats}; {f'ask for {ways}' if verdict.passes else f'{ways} may pass'}")
-    missed = [_missed(one) for one in verdict.doubts if one.about != "limit"]
+    missed = list[str]()
+    for one in verdict.doubts:
+        if one.about == "relief":
+            known = f"the mesh follows only {one.value:.0%} of the relief"
+            missed.append(known if math.isfinite(one.value) else "what the mesh follows of the relief is not known")
+        elif one.about == "volume":
+            known = f"the volume of the mesh is {one.value:+.1%} off that of the part"
+            missed.append(known if math.isfinite(one.value) else "the volume of the mesh is not known")
     if missed:
         reasons.append(f"{_listed(missed)}; ask for more vertices")
     return f"Not sure: {'; '.join(reasons)}." if reasons else ""
-
-
-def _missed(one: Doubt) -> str:
-    """What the mesh misses of the part."""
-    if not math.isfinite(one.value):
-        return f"{'what the mesh follows of the relief' if one.about == 'relief' else 'the volume of the mesh'} is not known"
-    relief = f"the mesh follows only {one.value:.0%} of the relief"
-    return relief if one.about == "relief" else f"the volume of the mesh is {one.value:+.1%} off that of the part"
 
 
 def _listed(words: Sequence[str]) -> str:

@@ -203,29 +203,24 @@ class Run:
             BadInput: If another process, or another session of this one, is carrying it on.
         """
         with exclusive(self.store.root / "locks" / f"{self.lane}.lock", f"lane {self.lane!r} of {self.store.root}"):
-            yield from self._carried_on(progress)
-
-    def _carried_on(self, progress: Progress) -> Generator[Event, None, None]:
-        self.store.move(self.lane, msgspec.structs.replace(self.store.lane(self.lane), recipe=self.store.put_recipe(self.recipe)))
-        with self.clock.stage("style target"):
-            recipe, part = self.recipe, self.part
-            stylizer, notes = stylizer_for(part, recipe, self.device, self.store.objects, lambda: progress(0.0))
-            bounds, protected = bounds_for(part, recipe)
-            simulator = self.simulator(recipe, progress)
-            untangle = partial(untangled, part.surface, go_on=lambda: progress(0.0))
-            notes = (*expected(recipe), *left_out(recipe), *protected, *notes)
-            engine = Engine(recipe, part.surface, bounds, stylizer, simulator, self.store, self.lane, untangle)
-        with self.clock.stage("simulation of the unstylized part"):
-            _ = engine.simulator.baseline
-        for event in self.clock.timed(engine.run()):
-            if isinstance(event, Finished):
-                files = {"run": str(self.store.root)}
-                thin = minimum_wall.warnings(
-                    self.part.surface, self.part.thickness, self.checkpoint().displacement, self.recipe.delivery.minimum_wall
-                )
-                notes = (*self.part.notes, *notes, *thin)
-                self._save(summarise(engine, device=self.device, notes=notes, seconds=self.clock.seconds(), files=files))
-            yield event
+            self.store.move(self.lane, msgspec.structs.replace(self.store.lane(self.lane), recipe=self.store.put_recipe(self.recipe)))
+            with self.clock.stage("style target"):
+                recipe, part = self.recipe, self.part
+                stylizer, notes = stylizer_for(part, recipe, self.device, self.store.objects, lambda: progress(0.0))
+                bounds, protected = bounds_for(part, recipe)
+                simulator = self.simulator(recipe, progress)
+                untangle = partial(untangled, part.surface, go_on=lambda: progress(0.0))
+                notes = (*expected(recipe), *left_out(recipe), *protected, *notes)
+                engine = Engine(recipe, part.surface, bounds, stylizer, simulator, self.store, self.lane, untangle)
+            with self.clock.stage("simulation of the unstylized part"):
+                _ = engine.simulator.baseline
+            for event in self.clock.timed(engine.run()):
+                if isinstance(event, Finished):
+                    files = {"run": str(self.store.root)}
+                    relief, minimum = self.checkpoint().displacement, recipe.delivery.minimum_wall
+                    notes = (*part.notes, *notes, *minimum_wall.warnings(part.surface, part.thickness, relief, minimum))
+                    self._save(summarise(engine, device=self.device, notes=notes, seconds=self.clock.seconds(), files=files))
+                yield event
 
     def go(self, on_event: OnEvent | None = None, progress: Progress = no_progress) -> Run:
         """Carry the lane on to its end."""

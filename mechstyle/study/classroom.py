@@ -88,16 +88,12 @@ def prepare(
             given = options({"prompt": prompt, **settings_for(recipe, partial(draft, prompt))})
             words = ["mechstyle", "run", model, *dict.fromkeys(given), "--vertices", str(vertices), "--out", f"runs/{file_stem(prompt)}"]
             tasks.append(Task(model, prompt, shlex.join(words)))
-    write_whole(folder / "commands.md", _task_sheet(tasks).encode())
-    return tasks
-
-
-def _task_sheet(tasks: Sequence[Task]) -> str:
-    """What a class types."""
     lines = ["# What to type\n", "Each run takes about a minute. Afterwards write your report and hand in the file.\n"]
     for model in dict.fromkeys(task.model for task in tasks):
         lines += [f"## {model}\n", "```sh", *(task.command for task in tasks if task.model == model), "```\n"]
-    return "\n".join([*lines, "```sh", 'mechstyle report runs/STYLE --out "YOUR NAME.html"', "```\n"])
+    lines += ["```sh", 'mechstyle report runs/STYLE --out "YOUR NAME.html"', "```\n"]
+    write_whole(folder / "commands.md", "\n".join(lines).encode())
+    return tasks
 
 
 @dataclass(frozen=True)

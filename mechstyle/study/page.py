@@ -246,9 +246,9 @@ def _cochran_words(ways: dict[str, list[Row]]) -> str:
 
 def _mcnemar_words(done: Sequence[Row], ways: dict[str, list[Row]]) -> list[str]:
     """Every way against the style alone, in pairs, adjusted after Holm."""
-    tested = []
-    for arm in ways:
-        pairs = _pairs(done, arm)
+    tested, alone = [], {_block(row): row for row in done if row.arm == FREE}
+    for arm, rows in ways.items():
+        pairs = [(alone[_block(row)], row) for row in rows if _block(row) in alone]
         if len(pairs) >= LEAST:
             tested.append((arm, len(pairs), mcnemar([free.passes for free, _ in pairs], [fed.passes for _, fed in pairs])))
     adjusted = holm([p for _, _, p in tested])
@@ -338,13 +338,6 @@ def _blocks(ways: dict[str, list[Row]], value: Callable[[Row], float]) -> list[l
     tables = [{_block(row): value(row) for row in rows} for rows in ways.values()]
     shared = [block for block in tables[0] if all(block in table for table in tables)]
     return [[table[block] for table in tables] for block in shared]
-
-
-def _pairs(done: Sequence[Row], arm: str) -> list[tuple[Row, Row]]:
-    """The same block, freely and under an arm."""
-    free = {_block(row): row for row in done if row.arm == FREE}
-    fed = [row for row in done if row.arm == arm]
-    return [(free[_block(row)], row) for row in fed if _block(row) in free]
 
 
 def _block(row: Row) -> tuple[Any, ...]:

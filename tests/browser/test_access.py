@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from importlib.resources import files
+
 import pytest
 from axe_playwright_python.sync_playwright import Axe
 
+from mechstyle_widgets.settings.section import table
 from support import ROOT
 
 pytestmark = pytest.mark.browser
@@ -53,6 +56,12 @@ CUT = """buttons => buttons.filter(button => {
     return all.left < room.left || all.right > room.right || all.bottom > room.bottom;
 }).map(button => button.textContent)"""
 """Names of buttons that do not fit into them once they are bold."""
+LINES = """cells => cells.map(cell => {
+    const text = document.createRange();
+    text.selectNodeContents(cell);
+    return new Set([...text.getClientRects()].map(line => line.top)).size;
+})"""
+"""On how many lines the words of each cell stand."""
 
 
 @pytest.fixture(scope="module")
@@ -231,3 +240,16 @@ def test_nothing_moves_for_those_who_asked_for_that(shown):
     assert shown.page.evaluate(MOVING) != []
     shown.page.emulate_media(reduced_motion="reduce")
     assert shown.page.evaluate(MOVING) == []
+
+
+def test_words_of_a_table_stay_whole_beside_sentences(visitor):
+    """What two iterations were compared in stood there one letter a line, beside a sentence that ran out of the panel."""
+    page = visitor.new_page()
+    sheet = (files("mechstyle_widgets.jupyter") / "static" / "frame.css").read_text(encoding="utf-8")
+    rows = [("simulated because", "correction: all that was held back given back", "last iteration"), ("flat", "1.08 m", "1.10 m")]
+    page.set_content(f'<style>{sheet}</style><div style="width: 300px">{table(("", "cautious · 12", "MechStyle · 12"), rows)}</div>')
+    lines = page.locator("td:first-child").evaluate_all(LINES)
+    wide = page.locator("table").evaluate("table => table.scrollWidth")
+    page.close()
+    assert wide <= 300
+    assert max(lines) <= 2

@@ -243,6 +243,18 @@ def test_a_preview_that_cannot_be_shown_is_said():
     assert studio.state.alarming
 
 
+def test_a_part_that_is_ready_is_shown_by_the_view_in_which_its_style_will_stand(monkeypatch, cube):
+    """A page made two views of every part that is opened, one to be thrown away, which is most of its work."""
+    monkeypatch.setattr(Previewer, "ready", lambda *_: cube)
+    studio = Studio("gallery:wall_hook")
+    first, again, count = studio.viewer, cube.moved(cube.vertices), len(cube.vertices)
+    assert first.at_rest is cube
+    style = FinishedStyle(np.full(count, 0.5, np.float32), np.full((count, 3), 0.2), np.arange(count) < 3, ())
+    studio._arrived(Preview(Shape(again, np.full(count, 8.0, np.float32)), style, 0.4))
+    assert studio.viewer is first
+    assert first.protected.sum() == 3
+
+
 def test_a_part_whose_style_is_on_its_way_says_so(monkeypatch):
     """It stood there plain for fifteen seconds without any sign."""
     monkeypatch.setattr(Previewer, "ask", lambda *_: True)

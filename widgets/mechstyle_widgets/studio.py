@@ -88,8 +88,8 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
     _timeline: Timeline | None = None
     _undo: Undo | None = None
     _pictured = False
-    _spared: tuple[SurfaceMesh, NDArray[np.bool_]] | None = None
-    """What the last preview left as it is, but for what was painted or written: of its surface, shape [vertex_count]."""
+    _spared: tuple[str, NDArray[np.bool_]] = ("", np.zeros(0, bool))
+    """What the last preview left as it is, but for what was painted or written: digest of its surface, and shape [vertex_count]."""
 
     @sharing()
     def __init__(
@@ -368,7 +368,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         if self._undo is not None:
             self._undo.note()
         if mesh is not None and not self._show_its_run():
-            self._show(self._made(PartViewer, paintable(mesh)))
+            self._show_part(mesh)
             self._preview()
 
     def _show_its_run(self) -> bool:
@@ -411,6 +411,11 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
             return not self.controller.differs().keys().isdisjoint(PromptBox.FIELDS)
         except MechStyleError:  # what is wrong is said where it is set
             return True
+
+    def _show_part(self, mesh: SurfaceMesh) -> None:
+        """Show a part in the view in which its style will stand, if that is known: a page takes a second to make another."""
+        ready = self.previewer.ready(mesh, self.drop_options.vertices)
+        self._show(self._made(PartViewer, paintable(mesh) if ready is None else ready))
 
     def _show_run(self) -> None:
         self._show(self._made(RunViewer, self.state))
@@ -509,7 +514,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         if mesh is not None and isinstance(self._viewer, RunViewer) and self._looks_otherwise():
             before = self._viewer
             before.let_go()
-            self._show(self._made(PartViewer, paintable(mesh)))
+            self._show_part(mesh)
             self._viewer.look_from(before)
         if mesh is None or not isinstance(self._viewer, PartViewer) or self._show_its_run():
             self.previewer.cancel()
@@ -530,8 +535,9 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
             return
         surface, style = preview.shape.surface, preview.style
         self.part_picker.remark(preview.shape.too_thin(self.drop_options.minimum_wall))
-        self._spared = None if style is None else (surface, style.spared & ~covered(preview.protect, surface))
-        if viewer.at_rest is not surface:
+        if style is not None:
+            self._spared = surface.digest, style.spared & ~covered(preview.protect, surface)
+        if viewer.at_rest.digest != surface.digest:
             finer = self._made(PartViewer, surface)
             finer.look_from(viewer)
             self._show(finer)
@@ -566,10 +572,10 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         viewer, picker = self._viewer, self.regions_picker
         if viewer is None:
             return
-        surface, spared = self._spared or (None, None)
+        digest, spared = self._spared
         try:
             painted = covered(picker.protect, viewer.at_rest)
-            viewer.protected = painted if spared is None or surface is not viewer.at_rest else painted | spared
+            viewer.protected = painted | spared if isinstance(viewer, PartViewer) and viewer.at_rest.digest == digest else painted
         except BadInput as error:
             viewer.protected = None
             picker.complain(str(error))

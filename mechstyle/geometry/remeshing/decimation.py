@@ -66,26 +66,21 @@ def decimated(mesh: SurfaceMesh, faces: int, go_on: CancelCheck = never_cancel, 
     quadrics = _Quadrics.around(vertices, corners)
     for _ in range(TOL.decimation_rounds):
         go_on()
-        excess = (len(corners) - faces + 1) // 2  # a collapse takes two triangles
-        edges, places = _cheapest(vertices, corners, quadrics, excess, longest)
-        if not len(edges):
+        edges, excess = edges_of(corners), (len(corners) - faces + 1) // 2  # a collapse takes two triangles
+        shared = quadrics.of(edges)
+        places = shared.lowest(0.5 * (vertices[edges[:, 0]] + vertices[edges[:, 1]]))
+        costs = shared.at(places)
+        sound = np.flatnonzero(valid_collapses(vertices, corners, edges, places, longest=longest, cosine=TOL.turn_in_decimation))
+        cheap = sound[np.argsort(costs[sound], kind="stable")][: max(int(TOL.cheap * len(edges)), 1)]
+        apart = far_apart(edges[cheap], np.floor(np.log2(np.maximum(costs[cheap], 1e-12))), corners, len(vertices))
+        chosen = cheap[apart][: max(excess, 0)]
+        if not len(chosen):
             break
+        edges = edges[chosen]
         (stays, goes), vertices = edges.T, vertices.copy()
-        vertices[stays] = places
+        vertices[stays] = places[chosen]
         for part, both in zip(quadrics, quadrics.of(edges), strict=True):
             part[stays] = both
         quadrics = _Quadrics(*(np.delete(part, goes, axis=0) for part in quadrics))
         vertices, corners = merged(vertices, corners, stays, goes)
     return SurfaceMesh(vertices + centre, corners)
-
-
-def _cheapest(vertices: Floats, faces: Indices, quadrics: _Quadrics, most: int, longest: float) -> tuple[Indices, Floats]:
-    """The cheapest edges that can collapse together, at most so many, and where their ends meet."""
-    edges = edges_of(faces)
-    shared = quadrics.of(edges)
-    places = shared.lowest(0.5 * (vertices[edges[:, 0]] + vertices[edges[:, 1]]))
-    costs = shared.at(places)
-    sound = np.flatnonzero(valid_collapses(vertices, faces, edges, places, longest=longest, cosine=TOL.turn_in_decimation))
-    cheap = sound[np.argsort(costs[sound], kind="stable")][: max(int(TOL.cheap * len(edges)), 1)]
-    chosen = cheap[far_apart(edges[cheap], np.floor(np.log2(np.maximum(costs[cheap], 1e-12))), faces, len(vertices))][: max(most, 0)]
-    return edges[chosen], places[chosen]

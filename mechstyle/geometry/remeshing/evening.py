@@ -181,7 +181,10 @@ def _fixed(mesh: SurfaceMesh, edge: float) -> tuple[NDArray[np.int32], NDArray[n
     """
     edges, turns, radii = _bends(mesh)
     sharp = np.unique(edges[turns > TOL.crease]).astype(np.int32)
-    creases = np.union1d(sharp, _ends_of_floor(mesh, sharp, edge))
+    low, pairs = (mesh.corners[:, :, 2] < mesh.vertices[:, 2].min() + TOL.on_the_part).all(axis=1), edge_pairs(mesh.faces)
+    ends = np.setdiff1d(pairs.edges[low[pairs.faces[:, 0]] != low[pairs.faces[:, 1]]], sharp).astype(np.int32)
+    close = _spread(mesh.vertices[ends], np.full(len(ends), TOL.finest_step * edge), np.zeros(len(ends)))
+    creases = np.union1d(sharp, ends[close])
     radius = np.full(len(mesh.vertices), np.inf)
     bent = (turns > TOL.bend) & (turns <= TOL.crease)
     np.minimum.at(radius, edges[bent].ravel(), np.repeat(radii[bent], 2))
@@ -193,13 +196,6 @@ def _fixed(mesh: SurfaceMesh, edge: float) -> tuple[NDArray[np.int32], NDArray[n
         clear = cKDTree(mesh.vertices[creases]).query(mesh.vertices[narrow])[0] > TOL.clearance * steps
         narrow, depths, steps = narrow[clear], depths[clear], steps[clear]
     return creases, narrow[_spread(mesh.vertices[narrow], steps, np.round(depths / (TOL.row * edge)))]
-
-
-def _ends_of_floor(mesh: SurfaceMesh, creases: NDArray[np.int32], edge: float) -> NDArray[np.int32]:
-    """Vertices around the faces on the floor, apart from those on creases, as close as those of narrow rounds."""
-    low, pairs = (mesh.corners[:, :, 2] < mesh.vertices[:, 2].min() + TOL.on_the_part).all(axis=1), edge_pairs(mesh.faces)
-    ends = np.setdiff1d(pairs.edges[low[pairs.faces[:, 0]] != low[pairs.faces[:, 1]]], creases).astype(np.int32)
-    return ends[_spread(mesh.vertices[ends], np.full(len(ends), TOL.finest_step * edge), np.zeros(len(ends)))]
 
 
 def _bends(mesh: SurfaceMesh) -> tuple[NDArray[np.int32], Floats, Floats]:

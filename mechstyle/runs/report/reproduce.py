@@ -68,15 +68,15 @@ def cell_for(run: LaneOfRun, history: Sequence[Entry]) -> str:
 
 def _arguments(settings: dict[str, Any]) -> list[str]:
     """Settings as Python writes them."""
-    return [f"{name}={_literal(written(value) if name == 'height' else value)}" for name, value in settings.items()]
-
-
-def _literal(value: Any) -> str:
-    if isinstance(value, Material):
-        return repr(value.name) if LIBRARY.get(value.name) == value else f"ms.{value!r}"
-    if isinstance(value, tuple) and all(isinstance(one, Region) for one in value):
-        return repr([one.words for one in value])
-    return RECORDS.sub(r"ms.\1(", repr(value))
+    arguments = []
+    for name, value in settings.items():
+        literal = RECORDS.sub(r"ms.\1(", repr(written(value) if name == "height" else value))
+        if isinstance(value, Material):
+            literal = repr(value.name) if LIBRARY.get(value.name) == value else f"ms.{value!r}"
+        elif isinstance(value, tuple) and all(isinstance(one, Region) for one in value):
+            literal = repr([one.words for one in value])
+        arguments.append(f"{name}={literal}")
+    return arguments
 
 
 def _recipes(run: LaneOfRun, history: Sequence[Entry]) -> list[Recipe]:

@@ -1,9 +1,8 @@
 """Pictures of a part that can be differentiated by its vertices and colours: Warp decides what is seen, torch computes how it looks.
 
 Light is that of X-Mesh (Ma et al. 2023): the first spherical harmonics with coefficients 1 (Kaolin's `spherical_harmonic_lighting`), in
-the axes of each camera. The renderer takes its own liberties unless `kaolin_compat`: smooth normals, because the light of flat ones jumps
-where faces meet; weights correct in perspective; outlines that fade, so that gradients know where the part ends. Its cameras have the axes
-of Kaolin: the part at the origin, y up.
+the axes of each camera. Normals are smooth, because the light of flat ones jumps where faces meet; weights are correct in perspective;
+outlines fade, so that gradients know where the part ends. Cameras have the axes of Kaolin: the part at the origin, y up.
 """
 
 from __future__ import annotations
@@ -28,7 +27,6 @@ __all__ = ["Cameras", "Rendered", "Renderer", "random_views"]
 AMBIENT = 0.28209479177387814  # Y_00 = 1 / (2 √π)
 DIRECTED = 0.4886025119029199  # Y_1m = √(3 / 4π) times x, y or z
 BACKGROUND = 1.0
-KAOLIN_EPS = 1e-8
 LEAST_AREA = 1e-2
 """Of the mean of all faces, or around all vertices, below which a face or a normal says nothing but noise: its gradient, which goes with
 1 / area, would drown all others."""
@@ -55,9 +53,7 @@ class Renderer:
     Args:
         faces: Vertex indices, anticlockwise seen from outside, shape [face_count, 3], any integers.
         size: Pixels of a picture each way.
-        kaolin_compat: Pictures and gradients as the released X-Mesh gets them from Kaolin's DIB-R: flat normals, faces culled by
-            them, weights linear in the picture, hard outlines without gradients.
-        antialias: Whether outlines fade and have gradients; never with `kaolin_compat`.
+        antialias: Whether outlines fade and have gradients.
         device: Of all tensors, "cpu" or "cuda".
         static: Whether no shape depends on what is seen, as CUDA graphs need; by default on CUDA only, since it costs a CPU time.
 
@@ -70,7 +66,6 @@ class Renderer:
         faces: torch.Tensor,
         size: int = 224,
         *,
-        kaolin_compat: bool = False,
         antialias: bool = True,
         device: str | torch.device = "cpu",
         static: bool | None = None,
@@ -82,8 +77,8 @@ class Renderer:
         self._faces = faces.to(device=device, dtype=torch.int32).contiguous()
         self._corners = self._faces.long().T.contiguous()
         self._least, self._most = int(faces.min()), int(faces.max())
-        self._size, self._flat = size, kaolin_compat
-        self._edges = edges_of(self._faces) if antialias and not kaolin_compat else None
+        self._size = size
+        self._edges = edges_of(self._faces) if antialias else None
         self._static = self._faces.is_cuda if static is None else static
         self._empty = torch.tensor([BACKGROUND, BACKGROUND, BACKGROUND, 0.0], device=device)
 
@@ -102,13 +97,10 @@ class Renderer:
         axes = cameras.axes.to(positions)
         normals, steady = self._normals(positions)
         pixels = cameras.project(positions, self._size)
-        hidden = axes[:, 2] @ normals.detach().T < 0 if self._flat else None
-        buffer = nearest_faces(pixels, self._faces, self._size, self._size, cull=not self._flat, hidden=hidden)
-        channels = [pixels, colours.clamp(0.0, 1.0).expand_as(pixels)]
-        if not self._flat:
-            channels.append(normals.expand_as(pixels))
-        surface, light = torch.cat(channels, dim=2), axes.sum(dim=1)
-        picture = self._shaded(surface, normals, steady, light, face_of(buffer).view(-1))
+        buffer = nearest_faces(pixels, self._faces, self._size, self._size)
+        surface = torch.cat([pixels, colours.clamp(0.0, 1.0).expand_as(pixels), normals.expand_as(pixels)], dim=2)
+        light = axes.sum(dim=1)
+        picture = self._shaded(surface, steady, light, face_of(buffer).view(-1))
         if self._edges is not None:
             look = partial(_smooth_look, light)
             picture = antialiased(picture, surface, self._edges, buffer, look, static=self._static)
@@ -123,20 +115,16 @@ class Renderer:
             raise BadInput(f"the faces name vertices {self._least} to {self._most}, but there are {len(positions)} positions")
 
     def _normals(self, positions: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
-        """Unit normals of the faces if flat, else of the vertices, by area, shape [face_count or n, 3]; and which faces have an area."""
+        """Unit normals of the vertices, by area, shape [n, 3], and which faces have an area."""
         a, b, c = taken(positions, self._corners)
         across = torch.linalg.cross(b - a, c - a)
         areas = across.detach().norm(dim=1)
         steady = areas >= LEAST_AREA * areas.mean()
-        if self._flat:
-            return functional.normalize(across, dim=1), steady
         across = _held(across, ~steady[:, None])
         across = added(across.repeat(3, 1), self._corners.reshape(-1), len(positions))
         return _steady_unit(across, LEAST_AREA * across.detach().norm(dim=1).mean()), steady
 
-    def _shaded(
-        self, surface: torch.Tensor, normals: torch.Tensor, steady: torch.Tensor, light: torch.Tensor, face: torch.Tensor
-    ) -> torch.Tensor:
+    def _shaded(self, surface: torch.Tensor, steady: torch.Tensor, light: torch.Tensor, face: torch.Tensor) -> torch.Tensor:
         """RGB and coverage of all pixels, shape [4, views · size²], that see these faces (-1 for none) under one light per view."""
         count = self._size**2
         pixel = torch.arange(len(face), device=face.device) if self._static else (face >= 0).nonzero()[:, 0]
@@ -145,26 +133,16 @@ class Renderer:
         view = pixel // count
         corners = taken(surface.flatten(0, 1), self._corners.index_select(1, shown) + view * surface.shape[1])
         place, beside = corners.split([2, corners.shape[-1] - 2], dim=-1)
-        areas = self._areas(place, pixel % count)
-        if self._flat:
-            half = 0.5 * self._size  # Kaolin's weights are linear in its picture from -1 to 1
-            divisor = areas.sum(dim=0) / half**2 + KAOLIN_EPS
-            b, c = areas[1:] / half**2 / divisor
-            blended = (torch.stack([1.0 - b - c, b, c])[..., None] * beside[..., 1:]).sum(dim=0)
-            samples = _lit(blended, normals.index_select(0, shown), light.index_select(0, view))
-        else:
-            samples = _smooth_look(light, beside, _held(areas, ~steady.index_select(0, shown)), view)
+        # Twice the areas [pixels²] that pixel centres span with each corner's opposite side, shape [3, k].
+        x, y = (pixel % count % self._size).to(corners) + 0.5, (pixel % count // self._size).to(corners) + 0.5
+        (ax, ay), (bx, by), (cx, cy) = (corner.unbind(dim=1) for corner in place)
+        ax, bx, cx, ay, by, cy = ax - x, bx - x, cx - x, y - ay, y - by, y - cy
+        areas = torch.stack([bx * cy - by * cx, cx * ay - cy * ax, ax * by - ay * bx])
+        samples = _smooth_look(light, beside, _held(areas, ~steady.index_select(0, shown)), view)
         empty = self._empty.to(surface)
         if self._static:
             return torch.where(seen[:, None], samples, empty).T.contiguous()
         return empty.repeat(len(face), 1).index_copy(0, pixel, samples).T.contiguous()
-
-    def _areas(self, corners: torch.Tensor, pixel: torch.Tensor) -> torch.Tensor:
-        """Twice the areas [pixels²] that pixel centres span with each corner's opposite side, shape [3, k]; corners of shape [3, k, 2]."""
-        x, y = (pixel % self._size).to(corners) + 0.5, (pixel // self._size).to(corners) + 0.5
-        (ax, ay), (bx, by), (cx, cy) = (corner.unbind(dim=1) for corner in corners)
-        ax, bx, cx, ay, by, cy = ax - x, bx - x, cx - x, y - ay, y - by, y - cy
-        return torch.stack([bx * cy - by * cx, cx * ay - cy * ax, ax * by - ay * bx])
 
 
 def _smooth_look(light: torch.Tensor, corners: torch.Tensor, weights: torch.Tensor, view: torch.Tensor) -> torch.Tensor:

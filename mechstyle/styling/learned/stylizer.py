@@ -32,7 +32,6 @@ DECAY_EVERY = 100
 os.environ.setdefault("CUBLAS_WORKSPACE_CONFIG", ":4096:8")  # without it no product of matrices is repeatable on a GPU
 
 
-
 class Surface(NamedTuple):
     """Argument of the loss: a displacement [mm], shape [n], and colours, shape [n, 3]."""
 

@@ -26,9 +26,7 @@ NOTHING = 2**63 - 1
 _INDEX = 2**31 - 1
 
 
-def nearest_faces(
-    pixels: torch.Tensor, faces: torch.Tensor, height: int, width: int, *, cull: bool = True, hidden: torch.Tensor | None = None
-) -> torch.Tensor:
+def nearest_faces(pixels: torch.Tensor, faces: torch.Tensor, height: int, width: int, *, cull: bool = True) -> torch.Tensor:
     """The z-buffer of several views of one surface; `face_of` reads it.
 
     Args:
@@ -37,14 +35,12 @@ def nearest_faces(
         height: Rows.
         width: Columns.
         cull: Whether to skip faces that turn their back.
-        hidden: Faces to skip in each view, shape [views, face_count], bool.
 
     Returns:
         Depth and face packed into one number, smaller is nearer, shape [views, height, width], int64.
     """
     points, nearness = _snapped(pixels)
-    skipped = faces.new_empty(0, dtype=torch.bool) if hidden is None else hidden.reshape(-1)
-    buffer: torch.Tensor = _draw_op(points, [len(pixels), height, width], nearness, faces, skipped, cull)
+    buffer: torch.Tensor = _draw_op(points, [len(pixels), height, width], nearness, faces, cull)
     return buffer
 
 
@@ -96,14 +92,12 @@ def _snapped(pixels: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
     return steps.view(-1, 2), (kept / kept.max().clamp(min=1e-300)).view(-1)
 
 
-def _draw(
-    points: torch.Tensor, shape: list[int], nearness: torch.Tensor, faces: torch.Tensor, hidden: torch.Tensor, cull: bool
-) -> torch.Tensor:
+def _draw(points: torch.Tensor, shape: list[int], nearness: torch.Tensor, faces: torch.Tensor, cull: bool) -> torch.Tensor:
     views, height, width = shape
     buffer = torch.full(shape, NOTHING, dtype=torch.int64, device=points.device)
     size = wp.vec3i(len(points) // views, height, width)
     inputs = [*map(wp.from_torch, (points, nearness, faces)), size, wp.vec2d(float(STEPS), float(cull)), _flat(buffer)]
-    _launch(kernels.draw, views * len(faces), [*inputs, wp.from_torch(hidden)], points)
+    _launch(kernels.draw, views * len(faces), inputs, points)
     return buffer
 
 

@@ -76,21 +76,20 @@ def test_a_vertex_feels_its_own_normal_and_place(egg, faces, paint):
         assert found == pytest.approx(measured, rel=1e-3)
 
 
-@pytest.mark.parametrize("compat", [False, True])
 @pytest.mark.parametrize("flaw", [seamed, lambda mesh, apart: needled(mesh, range(0, len(mesh.faces), 3), apart)], ids=["seams", "needles"])
 @pytest.mark.parametrize("apart", [0.0, 1e-9, 1e-6, 1e-5, 1e-4])
-def test_triangles_without_area_get_no_gradient_that_drowns_the_others(egg, faces, apart, flaw, compat):
+def test_triangles_without_area_get_no_gradient_that_drowns_the_others(egg, faces, apart, flaw):
     views = Cameras(VIEWS.elevation.float(), VIEWS.azimuth.float())
 
     def gradient(points, faces):
         leaf, paint = points.float().requires_grad_(), (0.4 + 0.2 * torch.sin(5.0 * points)).float()
-        (Renderer(faces, 224, kaolin_compat=compat)(leaf, paint, views).image * waves(size=224)).sum().backward()
+        (Renderer(faces, 224)(leaf, paint, views).image * waves(size=224)).sum().backward()
         return leaf.grad
 
     broken = flaw(SurfaceMesh(egg.numpy(), faces.numpy()), apart)
     sound, found = gradient(egg, faces), gradient(torch.tensor(broken.vertices), torch.tensor(broken.faces))
     assert found.isfinite().all()
-    assert compat or found.abs().max() < 5.0 * sound.abs().max()  # Kaolin takes the normal of any face the picture shows
+    assert found.abs().max() < 5.0 * sound.abs().max()
 
 
 @pytest.mark.parametrize("axis", [0, 1, 2, None])
@@ -139,21 +138,17 @@ def test_covered_area_and_its_growth_are_those_of_the_cone_around_a_sphere(spher
 
 def test_colours_have_exact_gradients(egg, faces, paint):
     """Unclamped, a picture is an affine function of the colours, so any step gives its slope."""
-    for kaolin in (False, True):
-        renderer, weights = Renderer(faces, SIZE, kaolin_compat=kaolin), waves()
-        measured, found = slope(
-            lambda colours, r=renderer, w=weights: (r(egg, colours, VIEWS).image * w).sum(), paint, egg.roll(1, 0), 0.05
-        )
-        assert found == pytest.approx(measured, rel=1e-9)
+    renderer, weights = Renderer(faces, SIZE), waves()
+    measured, found = slope(lambda colours: (renderer(egg, colours, VIEWS).image * weights).sum(), paint, egg.roll(1, 0), 0.05)
+    assert found == pytest.approx(measured, rel=1e-9)
 
 
 def test_hard_outlines_have_none(egg, faces, paint):
-    for options in ({"antialias": False}, {"kaolin_compat": True}):
-        points = egg.clone().requires_grad_()
-        coverage = Renderer(faces, SIZE, **options)(points, paint, VIEWS).coverage
-        assert set(coverage.unique().tolist()) == {0.0, 1.0}
-        (slopes,) = torch.autograd.grad(coverage.sum(), points)
-        assert (slopes == 0.0).all()
+    points = egg.clone().requires_grad_()
+    coverage = Renderer(faces, SIZE, antialias=False)(points, paint, VIEWS).coverage
+    assert set(coverage.unique().tolist()) == {0.0, 1.0}
+    (slopes,) = torch.autograd.grad(coverage.sum(), points)
+    assert (slopes == 0.0).all()
 
 
 # --- what is seen -------------------------------------------------------------------------------------------------
@@ -173,45 +168,28 @@ def test_a_sphere_is_lit_as_its_radii_say(sphere, faces):
     assert view.image[0, 1].numpy()[inside] == pytest.approx(expected[inside], abs=0.01)  # facets of 3 degrees
 
 
-def by_hand(corners, colours, row, column, size):
-    """A pixel of one triangle seen from +x, as Kaolin computes it: camera axes (-z, y, x), weights linear in the picture."""
-    seen = [(-z, y, x - 2.0) for x, y, z in corners]
-    scale = 1.0 / math.tan(math.radians(30.0))
-    (ax, ay), (bx, by), (cx, cy) = [(scale * x / -z, scale * y / -z) for x, y, z in seen]
-    m, p, n, q = bx - ax, by - ay, cx - ax, cy - ay
-    s, t = (2 * column + 1 - size) / size - ax, (size - 1 - 2 * row) / size - ay
-    whole = m * q - n * p + 1e-8
-    b, c = (s * q - n * t) / whole, (m * t - s * p) / whole
-    normal = np.cross(np.subtract(seen[1], seen[0]), np.subtract(seen[2], seen[0]))
-    light = 0.28209479177 + 0.48860251190 * normal.sum() / np.linalg.norm(normal)
-    return light * ((1 - b - c) * np.array(colours[0]) + b * np.array(colours[1]) + c * np.array(colours[2]))
-
-
-def test_kaolin_compat_is_kaolins_formula():
+def test_a_triangle_shows_the_colours_where_the_rays_of_the_pixels_meet_it():
     corners, colours = [(0.0, -0.5, 0.6), (0.3, -0.4, -0.5), (-0.4, 0.6, 0.1)], [(0.8, 0.1, 0.2), (0.1, 0.7, 0.3), (0.2, 0.3, 0.6)]
     points, paint = torch.tensor(corners, dtype=torch.float64), torch.tensor(colours, dtype=torch.float64)
-    front, triangle = Cameras(torch.zeros(1), torch.zeros(1)), torch.tensor([[0, 1, 2]])
-    view = Renderer(triangle, 16, kaolin_compat=True)(points, paint, front)
+    view = Renderer(torch.tensor([[0, 1, 2]]), 16)(points, paint, Cameras(torch.zeros(1), torch.zeros(1)))
+    seen = np.array([(-z, y, x - 2.0) for x, y, z in corners])  # in camera axes
+    normal = np.cross(seen[1] - seen[0], seen[2] - seen[0])
+    light = 0.28209479177 + 0.48860251190 * normal.sum() / np.linalg.norm(normal)
     for row, column in ((8, 8), (7, 7), (9, 6)):
-        expected = by_hand(corners, colours, row, column, 16)
-        assert (expected < 1.0).all()
-        assert view.image[0, :, row, column].numpy() == pytest.approx(expected, abs=1e-9)
-    correct = Renderer(triangle, 16)(points, paint, front).image[0, :, 8, 8].numpy()
-    assert np.abs(correct - by_hand(corners, colours, 8, 8, 16)).max() > 1e-3  # the corners are not equally far away
+        x, y = (math.tan(math.radians(30.0)) * number / 16 for number in (2 * column + 1 - 16, 16 - 1 - 2 * row))
+        system = np.vstack([np.column_stack([seen.T, [-x, -y, 1.0]]), [1.0, 1.0, 1.0, 0.0]])
+        weights = np.linalg.solve(system, [0.0, 0.0, 0.0, 1.0])[:3]
+        assert view.image[0, :, row, column].numpy() == pytest.approx(light * weights @ np.array(colours), abs=1e-6)
 
 
-def test_kaolin_compat_culls_by_the_normal_in_camera_axes():
-    """Well above the axis a face can show its front although its normal has a negative part along the viewing axis."""
+def test_faces_are_seen_from_outside_only():
+    """Also well above the axis, where a face shows its front although its normal has a negative part along the viewing axis."""
     points = torch.tensor([(0.0, -0.9, -0.3), (0.0, -0.9, 0.3), (0.8, -0.6, 0.0)], dtype=torch.float64)
-    front = Cameras(torch.zeros(1), torch.zeros(1))
+    front, eye = Cameras(torch.zeros(1), torch.zeros(1)), torch.tensor([2.0, 0.0, 0.0], dtype=torch.float64)
     for order in ([0, 1, 2], [0, 2, 1]):
-        towards = float(torch.linalg.cross(points[order[1]] - points[order[0]], points[order[2]] - points[order[0]])[0])
-        kaolin = Renderer(torch.tensor([order]), SIZE, kaolin_compat=True)(points, points.abs(), front)
-        assert bool(kaolin.coverage.any()) == (towards > 0)
-        ours = Renderer(torch.tensor([order]), SIZE)(points, points.abs(), front)
-        eye = torch.tensor([2.0, 0.0, 0.0], dtype=torch.float64)
+        seen = Renderer(torch.tensor([order]), SIZE)(points, points.abs(), front)
         normal = torch.linalg.cross(points[order[1]] - points[order[0]], points[order[2]] - points[order[0]])
-        assert bool(ours.coverage.any()) == bool(normal @ (eye - points[0]) > 0)
+        assert bool(seen.coverage.any()) == bool(normal @ (eye - points[0]) > 0)
 
 
 def test_views_at_once_are_the_views_one_by_one(egg, faces, paint):
@@ -223,12 +201,11 @@ def test_views_at_once_are_the_views_one_by_one(egg, faces, paint):
         assert torch.allclose(together.coverage[k], alone.coverage[0], atol=1e-12)
 
 
-@pytest.mark.parametrize("options", [{}, {"kaolin_compat": True}])
-def test_shapes_that_do_not_depend_on_what_is_seen_change_nothing(egg, faces, paint, options):
+def test_shapes_that_do_not_depend_on_what_is_seen_change_nothing(egg, faces, paint):
     views, slopes = [], []
     for static in (False, True):
         points, colours = egg.clone().requires_grad_(), paint.clone().requires_grad_()
-        seen = Renderer(faces, SIZE, static=static, **options)(points, colours, VIEWS)
+        seen = Renderer(faces, SIZE, static=static)(points, colours, VIEWS)
         ((seen.image + seen.coverage) * waves()).sum().backward()
         views.append(torch.cat([seen.image, seen.coverage], dim=1).detach())
         slopes.append(torch.cat([points.grad, colours.grad]))
@@ -291,9 +268,8 @@ def test_random_views_are_spread_around_the_centre_which_comes_first():
     assert torch.equal(views.azimuth, again.azimuth)
 
 
-@pytest.mark.parametrize("kaolin", [False, True])
-def test_views_may_differ_in_their_colours(egg, faces, paint, kaolin):
-    renderer, greys = Renderer(faces, SIZE, kaolin_compat=kaolin), [0.2, 0.5, 0.8]
+def test_views_may_differ_in_their_colours(egg, faces, paint):
+    renderer, greys = Renderer(faces, SIZE), [0.2, 0.5, 0.8]
     together = renderer(egg, torch.stack([paint * grey for grey in greys]), VIEWS).image
     for number, grey in enumerate(greys):
         assert torch.allclose(together[number], renderer(egg, paint * grey, VIEWS).image[number], atol=1e-12)

@@ -99,14 +99,6 @@ def test_the_z_buffer_is_that_of_the_pictures(sphere):
     assert (found == visible(ndc, sphere.faces, 64, 64).face).mean() > 0.998  # the grids of the two differ in fineness
 
 
-def test_faces_can_be_hidden_in_one_view_only():
-    points = square(0.0, 0.0, 10.0, 10.0).expand(2, -1, -1)
-    hidden = torch.tensor([[False, False], [True, True]])
-    seen = face_of(nearest_faces(points, SQUARE, SIZE, SIZE, hidden=hidden))
-    assert (seen[0] >= 0).all()
-    assert (seen[1] == -1).all()
-
-
 @pytest.mark.parametrize("bad", [(float("nan"), 0.0, 1.0), (0.0, 0.0, 0.0), (0.0, 0.0, -1.0), (1e9, 0.0, 1.0)])
 def test_a_face_with_a_corner_that_cannot_be_drawn_is_left_out(bad):
     points = square(0.0, 0.0, 10.0, 10.0)
@@ -117,8 +109,7 @@ def test_a_face_with_a_corner_that_cannot_be_drawn_is_left_out(bad):
 
 def test_compilers_are_told_the_truth_about_the_operators():
     points, nearness = tensors._snapped(square(2.0, 2.0, 8.0, 8.0)[None])
-    nothing = torch.empty(0, dtype=torch.bool)
     utilities = ("test_schema", "test_faketensor")
-    torch.library.opcheck(tensors._draw_op, (points, [1, SIZE, SIZE], nearness, SQUARE, nothing, True), test_utils=utilities)
-    buffer = tensors._draw_op(points, [1, SIZE, SIZE], nearness, SQUARE, nothing, True)
+    torch.library.opcheck(tensors._draw_op, (points, [1, SIZE, SIZE], nearness, SQUARE, True), test_utils=utilities)
+    buffer = tensors._draw_op(points, [1, SIZE, SIZE], nearness, SQUARE, True)
     torch.library.opcheck(tensors._part_op, (buffer, points, nearness, edges_of(SQUARE)), test_utils=utilities)

@@ -71,9 +71,11 @@ class Asker:
 def test_the_style_is_that_of_the_run_unrestrained(prepared, sphere):
     async def main():
         asker, recipe = Asker(), draft("brick", relief=1.0)
+        assert asker.previewer.ready(sphere, 25_000) is None
         asker.previewer.ask(sphere, 25_000, recipe)
         await asker.news()
         made = asker.shown[0]
+        assert asker.previewer.ready(sphere, 25_000) is made.shape.surface
         np.testing.assert_array_equal(made.style.relief, finished_relief(made.shape, recipe))
         np.testing.assert_allclose(made.surface.vertices, sphere.displaced(made.style.relief).vertices)
         assert np.ptp(made.surface.colours, axis=0).max() > 0.1
@@ -208,8 +210,10 @@ def test_another_studio_of_the_same_part_finds_it_ready_and_only_the_last_few_ar
 
 
 def test_without_an_event_loop_nothing_is_drawn(prepared, sphere):
-    Previewer(lambda _: pytest.fail("drawn"), pytest.fail).ask(sphere, FEW, draft("brick"))
+    previewer = Previewer(lambda _: pytest.fail("drawn"), pytest.fail)
+    previewer.ask(sphere, FEW, draft("brick"))
     assert prepared == []
+    assert previewer.ready(sphere, FEW) is None
 
 
 def test_a_part_is_made_ready_in_another_process_that_ends_when_told(cube):

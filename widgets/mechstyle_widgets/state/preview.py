@@ -12,7 +12,7 @@ from mechstyle.records import Recipe
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.records.regions import Region
 from mechstyle.runs.stylizers import FinishedStyle, finished_style
-from mechstyle.simulation.part import Shape
+from mechstyle.simulation.part import Shape, standardised_before
 from mechstyle_widgets.jupyter.prepare import shape_aside
 from mechstyle_widgets.jupyter.throttle import Timer, running_loop
 from mechstyle_widgets.state.troubles import sentence
@@ -89,6 +89,18 @@ class Previewer:
             self._wish = _Wish(mesh, min(vertices, VERTICES), recipe)
             self._timer = Timer(self._loop, WAIT, self._begin)
         return True
+
+    def ready(self, mesh: SurfaceMesh, vertices: int) -> SurfaceMesh | None:
+        """The surface on which a style will be drawn, if it is known; None without an event loop, where nothing will.
+
+        Args:
+            mesh: The part [mm].
+            vertices: Of the run that is to come.
+        """
+        if self._loop is None:
+            return None
+        shape = _ready.get((mesh.digest, min(vertices, VERTICES)))
+        return standardised_before(mesh, min(vertices, VERTICES)) if shape is None else shape.surface
 
     @property
     def awaited(self) -> bool:
