@@ -73,12 +73,13 @@ def follows(rows: Sequence[Row]) -> Iterator[str]:
     for test in tests(rows):
         words = f"{test[0]}, {test[1]} vertices"
         passed = {arm: f"{sum(map(_passes, runs))} of {len(runs)}" for arm in ARMS if (runs := of(rows, test, arm))}
-        yield f"* **{words}**: {', '.join(f'{arm} {count}' for arm, count in passed.items())} pass."
+        worth = ""
         first, masks = of(rows, test, "finish-first"), of(rows, test, "masks")
         if first and masks:
             kept, times = ([f(runs) for runs in (masks, first)] for f in (_kept, _simulations))
-            worth = f"{kept[0]:.2f} in the median and finishing first {kept[1]:.2f}"
-            yield f"  Masks keep {worth}, with {times[0]:.1f} and {times[1]:.1f} simulations."
+            worth = f"\n  Masks keep {kept[0]:.2f} in the median and finishing first {kept[1]:.2f}, "
+            worth += f"with {times[0]:.1f} and {times[1]:.1f} simulations."
+        yield f"* **{words}**: {', '.join(f'{arm} {count}' for arm, count in passed.items())} pass.{worth}"
 
 
 def given_up(rows: Sequence[Row]) -> Iterator[str]:
@@ -99,9 +100,9 @@ def page(rows: Sequence[Row], machine: str) -> str:
     rest = "\nRows: [why-these-defaults.json](why-these-defaults.json).\n"
     rest += "*Passes* counts HOLDS and NO WORSE. *Kept* counts what can be seen.\n"
     lines = list(given_up(rows))
-    lost = "\n".join(lines) if lines else f"Nothing: all pass for sure and keep {WORTH_TELLING:g} at least."
+    lost = "\n\n".join(lines) if lines else f"Nothing: all pass for sure and keep {WORTH_TELLING:g} at least."
     return (
-        f"{HEAD}{intro}{about}{rest}\n{grid(rows)}\n## What follows\n\n" + "\n".join(follows(rows))
+        f"{HEAD}{intro}{about}{rest}\n{grid(rows)}\n## What follows\n\n" + "\n\n".join(follows(rows))
         + f"\n\n{CHOICE}\n## What finishing first gives up\n\n{lost}\n\n"
         + "How more of a style may be kept: [when a part fails](when-it-fails.md).\n"
     )  # fmt: skip
