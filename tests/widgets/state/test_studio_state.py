@@ -7,7 +7,6 @@ import threading
 
 import numpy as np
 import pytest
-import traitlets
 
 from mechstyle.errors import BadInput
 from mechstyle.loop.engine import Checkpointed
@@ -197,43 +196,3 @@ def test_a_run_that_ends_while_it_is_opened_is_not_looked_for_in_an_empty_histor
     monkeypatch.setattr(type(fake.run), "finished", property(lambda _run: True))
     state = StudioState(fake.run)
     assert (state.status, state.message, state.history) == ("idle", "", [])
-
-
-# --- two threads --------------------------------------------------------------------------------------------------
-
-
-class Slider(traitlets.HasTraits):
-    """What is linked with the state."""
-
-    value = traitlets.Int()
-
-
-def test_two_threads_change_the_state_one_after_the_other(done):
-    """JupyterLab moves sliders on a thread of its own: what the other was telling broke the link between them."""
-    state, slider, other = StudioState(done), Slider(), []
-    traitlets.link((state, "iteration"), (slider, "value"))
-
-    def meanwhile(_change):
-        if not other:
-            other.append(threading.Thread(target=setattr, args=(state, "iteration", 7)))
-            other[0].start()
-            other[0].join(0.3)  # it ends at once, or waits for its turn
-
-    slider.observe(meanwhile, "value")
-    state.iteration = 4
-    other[0].join(PATIENCE)
-    assert (state.message, state.iteration, slider.value, state.checkpoint.iteration) == ("", 7, 7, 7)
-
-
-def test_what_is_set_at_once_is_seen_at_once_by_other_threads(done):
-    state, seen = StudioState(done), []
-    state.observe(lambda _: seen.append((state.title, state.outlook)), "layer")
-    with state.hold_trait_notifications():
-        state.title = "new"
-        other = threading.Thread(target=setattr, args=(state, "layer", "stress"))
-        other.start()
-        other.join(0.3)
-        state.outlook = "new"
-    other.join(PATIENCE)
-    assert seen == [("new", "new")]
-    assert not other.is_alive()

@@ -2,19 +2,16 @@
 
 Pure traitlets, no widget. The worker thread of a session never touches a trait: what it has to say is noted down and
 carried over by `pump`, on the kernel's own event loop, at most ten times a second, the latest word on each trait winning.
-
-Pages are heard on that loop, too (`jupyter.one_thread`). Whatever thread of a user's sets a trait has its turn, until all who watch it have
-heard of it.
+Pages are heard on that loop, too (`jupyter.one_thread`).
 """
 
 from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from functools import lru_cache
-from typing import Any, ClassVar
+from typing import Any
 
 import traitlets
 
@@ -76,7 +73,6 @@ class StudioState(traitlets.HasTraits):
         price: What filament costs per kg, 0 for no cost.
     """
 
-    _turn: ClassVar = threading.RLock()
     run = traitlets.Instance(Run, None, allow_none=True)
     session = traitlets.Instance(Session, None, allow_none=True)
     lane = traitlets.Unicode("main")
@@ -125,19 +121,6 @@ class StudioState(traitlets.HasTraits):
         self._tested = lru_cache(maxsize=KEPT)(_simulation)
         if run is not None:
             self.open(run)
-
-    # one thread after the other
-
-    def __setattr__(self, name: str, value: object) -> None:
-        """Set a trait, and let all who watch it hear of it, before another thread sets one."""
-        with self._turn:
-            super().__setattr__(name, value)
-
-    @contextmanager
-    def hold_trait_notifications(self) -> Iterator[None]:
-        """Set several traits before anybody hears of one, and before another thread sets one."""
-        with self._turn, super().hold_trait_notifications():
-            yield
 
     # what went wrong
 
