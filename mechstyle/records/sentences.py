@@ -311,7 +311,7 @@ def side_by_side(names: tuple[str, str], verdicts: tuple[Verdict, Verdict], kept
     first, second = min(pairs, key=lambda pair: min(row.reserve for row in pair))
     alike, (free, fed) = "", kept
     if free is not None and fed is not None and free > 0.0:
-        alike = "Both look alike. " if fed >= ALIKE * free else f"{names[1]} keeps {fed / free:.0%} of the relief. "
+        alike = "Both look alike. " if fed >= ALIKE * free else f"{names[1]} keeps {fed:.0%} of the relief, {names[0]} {free:.0%}. "
     asked = fall(verdicts[0].fall) if first.height is not None else "once"
     what = f"carry the load {first.load!r}" if first.load else "pass the published rule" if first.height is None else "fall from"
     where = {"nearly flat": ", landing nearly flat", "any landing": ", landing any way up"}.get(first.test, "")
