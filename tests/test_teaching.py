@@ -1,5 +1,7 @@
 """The lessons' part: regular, closed, thin where it breaks; runs of a lesson find their own folders; tables escape what they show."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -27,6 +29,13 @@ def test_every_class_has_the_same_part_however_many_vertices_it_asks_for():
         assert part.surface.digest == again.boundary.digest
         assert part.at is None
         assert part.stands
+
+
+def test_tetrahedra_of_another_surface_are_refused():
+    """The unsafe side: a thinner part would be judged by the tetrahedra of the thicker one."""
+    part = teaching.pawn()
+    with pytest.raises(BadInput, match="fill another surface: leave them out"):
+        prepare(replace(part, vertices=part.vertices * [0.5, 0.5, 1.0]))
 
 
 @pytest.mark.parametrize("rings", [(6, 12, 18, 24, 30, 36), (6, 18, 36)])

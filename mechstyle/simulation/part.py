@@ -242,7 +242,7 @@ def prepare(
         measured: Called with surface and walls, before the minutes that tetrahedra may take.
 
     Raises:
-        BadInput: If it is no surface, or one that cannot be standardised or meshed.
+        BadInput: If it is no surface, or one that cannot be standardised or meshed, or brings tetrahedra of another.
         SimulationFailed: If meshing takes too long or fails.
     """
     if not isinstance(mesh, SurfaceMesh):  # a file's name, most likely
@@ -261,6 +261,8 @@ def prepare(
     notes = () if stands else ("it has no flat face to stand on, so none of it is kept plain or level",)
     stage("filling it with tetrahedra")
     own = mesh.tets if isinstance(mesh, Model) else None
+    if own is not None and own.boundary.digest != SurfaceMesh(mesh.vertices, mesh.faces).digest:
+        raise BadInput("the tetrahedra that this part brings fill another surface: leave them out, and the part is meshed")
     whole = None if relief is None or own is not None else relief(shape, go_on=go_on)
     if own is not None:
         solid, half = own, None

@@ -302,9 +302,8 @@ def test_view_and_timeline_take_the_room_that_the_page_has_and_keep_it():
     assert [(view.width, view.height) for view in studio._viewer._views] == [(1100, 560)]
 
 
-def test_the_theme_is_the_notebooks_unless_it_is_told(caplog):
-    studio = Studio("gallery:wall_hook", width=920)
-    assert "as wide as its cell" in caplog.text
+def test_the_theme_is_the_notebooks_unless_it_is_told():
+    studio = Studio("gallery:wall_hook")
     assert (studio._viewer.theme, studio._timeline.theme) == ("light", "light")
     studio.frame.dark = True
     assert (studio._viewer.theme, studio._timeline.theme) == ("dark", "dark")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 import math
 import os
 from collections.abc import Callable
@@ -57,8 +56,6 @@ from mechstyle_widgets.viewer.badge import of_state
 from mechstyle_widgets.viewer.run_viewer import RunViewer
 from mechstyle_widgets.viewer.viewer import PartViewer, Viewer
 
-logger = logging.getLogger(__name__)
-
 SIZE = (640, 430)  # width and height of the view until the page says how much room there is [pixels]
 TITLES = ("Part", "Style", "Material", "Holding back", "When to test", "Keep plain", "Drop test")
 OPEN = ("Part", "Style")
@@ -112,8 +109,6 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         Raises:
             BadInput: If the part or a setting cannot be used, in one sentence.
         """
-        if settings.pop("width", None) is not None:
-            logger.warning("the Studio is as wide as its cell now: leave out width")
         speak(language)
         if part is None:
             part = pawn()

@@ -123,7 +123,7 @@ def verified(folder: Path) -> Weights:
         for line in kept.read_text(errors="replace").splitlines():
             digest, _, name = line.partition("  ")
             if (folder / name).is_file() and _sha256(folder / name) != digest:
-                raise BadInput(f"{folder / name} is not the file that {SUMS} beside it tells of: {again}")
+                raise BadInput(f"{folder / name} is not the file listed in its {SUMS}: {again}")
     found = listing(folder, opened(folder).files)
     return Weights(folder, f"{folder.resolve().name}@{hashlib.sha256(found.encode()).hexdigest()}")
 

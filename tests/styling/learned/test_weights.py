@@ -92,7 +92,7 @@ def test_weights_are_found_by_name_and_by_what_a_recipe_recorded(tmp_path, hub):
 def test_a_damaged_file_is_named(tmp_path, hub):
     folder = fetch("ViT-B-32", tmp_path, hub).folder
     (folder / "merges.txt").write_text("#version: 0.3\n")
-    with pytest.raises(BadInput, match=r"merges\.txt is not the file that .* tells of: run `mechstyle weights fetch ViT-B-32` again"):
+    with pytest.raises(BadInput, match=r"merges\.txt is not the file listed in its .*: run `mechstyle weights fetch ViT-B-32` again"):
         located("ViT-B-32", tmp_path)
 
 
