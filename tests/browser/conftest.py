@@ -29,11 +29,13 @@ import pytest
 from PIL import Image
 from playwright.sync_api import Browser, BrowserContext, Locator, Page, sync_playwright
 
-from mechstyle.gallery import make, names
+from mechstyle.gallery import names
 from mechstyle.runs.run import Run, stylize
 from mechstyle.styling import library
 from mechstyle_widgets.settings import thumbnails
 from support import ROOT
+from support.forked_kernels import kernel_server
+from support.knob import SETTINGS, knob
 
 SCREENSHOTS = ROOT / "build" / "browser"
 START = 120  # JupyterLab on two busy cores [s]
@@ -254,18 +256,18 @@ def jupyter_lab(home: Path, folder: Path) -> Iterator[Lab]:
     command = [sys.executable, "-m", "jupyterlab", "--no-browser", "--allow-root", f"--port={port}", "--ServerApp.port_retries=0"]
     command += ["--ServerApp.ip=127.0.0.1", f"--IdentityProvider.token={token}", f"--ServerApp.root_dir={folder}"]
     command += ["--LabApp.expose_app_in_browser=True"]
-    with (home / "log").open("w") as log:
-        process = subprocess.Popen(command, stdout=log, stderr=log, env=private(home), start_new_session=True)
-    lab = Lab(f"http://127.0.0.1:{port}/", token, folder)
-    try:
-        wait_for(lab, process, home / "log")
-        yield lab
-    finally:
-        os.killpg(process.pid, signal.SIGTERM)
+    lab, own = Lab(f"http://127.0.0.1:{port}/", token, folder), private(home)
+    with kernel_server(home, own) as forked, (home / "log").open("w") as log:
+        process = subprocess.Popen(command, stdout=log, stderr=log, env={**own, **forked}, start_new_session=True)
         try:
-            process.wait(15)
-        except subprocess.TimeoutExpired:
-            os.killpg(process.pid, signal.SIGKILL)
+            wait_for(lab, process, home / "log")
+            yield lab
+        finally:
+            os.killpg(process.pid, signal.SIGTERM)
+            try:
+                process.wait(15)
+            except subprocess.TimeoutExpired:
+                os.killpg(process.pid, signal.SIGKILL)
 
 
 def private(home: Path) -> dict[str, str]:
@@ -310,9 +312,6 @@ def notebook(visitor: BrowserContext, lab: Lab, request: pytest.FixtureRequest) 
 @pytest.fixture(scope="session")
 def finished_run(tmp_path_factory: pytest.TempPathFactory) -> Run:
     """A small run on disk, with a branch."""
-    run = stylize(
-        make("pen_holder"), "brick", vertices=2000, iterations=12, orientations=1, schedule="every", every=4,
-        nearly_flat=False, window=0.3, element="tet4", out=tmp_path_factory.mktemp("runs") / "part", name="pen holder", device="cpu",
-    )
+    run = stylize(knob(), out=tmp_path_factory.mktemp("runs") / "part", device="cpu", **SETTINGS)
     run.branch(6, lane="frozen", control="frozen").go()
     return run
