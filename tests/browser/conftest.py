@@ -55,6 +55,9 @@ LAB_IS_IDLE = """() => {
     const session = window.jupyterapp?.shell?.currentWidget?.sessionContext;
     return session?.session?.kernel?.status === 'idle';
 }"""
+SHUT_DOWN = """async () => {
+    try { await window.jupyterapp?.shell?.currentWidget?.sessionContext?.shutdown(); } catch { /* it was killed, and is being started */ }
+}"""
 EXECUTE = """async code => {
     const kernel = window.jupyterapp.shell.currentWidget.sessionContext.session.kernel;
     const future = kernel.requestExecute({code, store_history: false});
@@ -102,7 +105,8 @@ class Notebook:
     errors: list[str] = field(default_factory=list)
 
     def open(self, *cells: str) -> Notebook:
-        """Write the cells into a notebook, open it and run them all."""
+        """Write the cells into a notebook, open it with a kernel of its own, whose widgets are these alone, and run them all."""
+        self.page.evaluate(SHUT_DOWN)
         notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(cell) for cell in cells])
         notebook.metadata["kernelspec"] = {"name": "python3", "display_name": "Python 3", "language": "python"}
         nbformat.write(notebook, self.lab.folder / f"{self.name}.ipynb")
@@ -303,7 +307,7 @@ def notebook(visitor: BrowserContext, lab: Lab, request: pytest.FixtureRequest) 
     page.on("pageerror", lambda error: None if DEAF in str(error) else opened.errors.append(str(error)))
     page.on("console", lambda said: opened.errors.append(said.text) if said.type == "error" and OURS.search(said.text) else None)
     yield opened
-    page.evaluate("() => window.jupyterapp?.shell?.currentWidget?.sessionContext?.shutdown()")
+    page.evaluate(SHUT_DOWN)
     page.close()
     assert opened.asked_outside == []
     assert opened.errors == []
@@ -312,6 +316,6 @@ def notebook(visitor: BrowserContext, lab: Lab, request: pytest.FixtureRequest) 
 @pytest.fixture(scope="session")
 def finished_run(tmp_path_factory: pytest.TempPathFactory) -> Run:
     """A small run on disk, with a branch."""
-    run = stylize(knob(), out=tmp_path_factory.mktemp("runs") / "part", device="cpu", **SETTINGS)
+    run = stylize(knob(), out=tmp_path_factory.mktemp("runs") / "part", name="griff", relief=2.0, side="inwards", device="cpu", **SETTINGS)
     run.branch(6, lane="frozen", control="frozen").go()
     return run
