@@ -116,21 +116,21 @@ def test_a_run_ends_with_its_verdict_its_table_of_falls_and_its_doubt(finished, 
 def test_the_same_command_again_changes_nothing_and_says_the_same(finished):
     line, root, summary = finished
     before = contents(root)
-    again = line.here("run", "gallery:pen_holder", "--prompt", "brick", *line.small, "--out", "part", "--json").json
+    again = line.here(*line.styled, "--out", "part", "--json").json
     assert contents(root) == before
     assert {key: again[key] for key in KEYS - {"seconds"}} == {key: summary[key] for key in KEYS - {"seconds"}}
 
 
 def test_other_settings_in_the_same_directory_are_refused(finished):
     line, _, _ = finished
-    outcome = line.here("run", "gallery:pen_holder", "--prompt", "brick", "--height", "2 m", *line.small, "--out", "part", code=2)
+    outcome = line.here(*line.styled, "--height", "2 m", "--out", "part", code=2)
     assert "other settings" in outcome.stderr
     assert outcome.stdout == ""
 
 
 def test_a_run_killed_at_any_moment_resumes_to_the_same_bytes(finished, tmp_path):
     line, root, _ = finished
-    arguments = ("run", "gallery:pen_holder", "--prompt", "brick", *line.small, "--out", tmp_path / "killed", "--json")
+    arguments = (*line.styled, "--out", tmp_path / "killed", "--json")
     with line.start(*arguments) as process:
         store = Store(tmp_path / "killed")
         while process.poll() is None and not (store.lanes() and store.lane().head and store.find(None).iteration >= 3):
@@ -143,8 +143,7 @@ def test_a_run_killed_at_any_moment_resumes_to_the_same_bytes(finished, tmp_path
 
 
 def test_freestyle_simulates_once_and_keeps_everything(mechstyle):
-    styled = ("gallery:pen_holder", "--prompt", "brick", "--inside", "styled", *mechstyle.small, "--vertices", "900")
-    summary = mechstyle.here("freestyle", *styled, "--out", "free", "--json").json
+    summary = mechstyle.here("freestyle", *mechstyle.styled[1:], "--out", "free", "--json").json
     assert [line["reason"] for line in summary["simulations"]] == ["last iteration"]
     assert summary["kept"] == pytest.approx(1.0, abs=1e-4)
 
