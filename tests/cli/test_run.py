@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 import trimesh
 
+from cli.conftest import BOX
 from mechstyle.cli.console import out
 from mechstyle.cli.run import report
 from mechstyle.errors import BadInput
@@ -232,7 +233,7 @@ def test_show_writes_a_picture(finished, tmp_path):
 
 
 def test_simulate_reports_the_part_as_it_is(mechstyle):
-    small = ("simulate", "gallery:pen_holder", "--vertices", "2000", "--window", "0.4")
+    small = ("simulate", BOX, "--vertices", "600", "--window", "0.4")
     outcome = mechstyle.here(*small, "--vtu", "--json").json
     assert outcome["outcome"] == "HOLDS"
     flat, nearly, published = outcome["rows"]
@@ -277,7 +278,7 @@ def test_simulate_judges_beside_an_original_that_is_named(mechstyle):
 
 
 def test_simulate_after_a_standard_names_landings_and_claims_nothing(mechstyle):
-    flat = ("--orientations", "2", "--no-nearly-flat", "--window", "0.3")
+    flat = ("--orientations", "2", "--no-nearly-flat", "--window", "0.1")
     small = ("simulate", "gallery:pen_holder", "--vertices", "2000", "--standard", "ista-1a", *flat)
     said = " ".join(mechstyle.here(*small).stdout.split())
     assert "simulated orientations after ISTA 1A, drop test below 10 kg, but 2 orientations instead of 11" in said
