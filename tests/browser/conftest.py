@@ -316,6 +316,6 @@ def notebook(visitor: BrowserContext, lab: Lab, request: pytest.FixtureRequest) 
 @pytest.fixture(scope="session")
 def finished_run(tmp_path_factory: pytest.TempPathFactory) -> Run:
     """A small run on disk, with a branch."""
-    run = stylize(knob(), out=tmp_path_factory.mktemp("runs") / "part", name="griff", relief=2.0, side="inwards", device="cpu", **SETTINGS)
+    run = stylize(knob(), out=tmp_path_factory.mktemp("runs") / "part", name="griff", device="cpu", **SETTINGS)
     run.branch(6, lane="frozen", control="frozen").go()
     return run

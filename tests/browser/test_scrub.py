@@ -77,12 +77,14 @@ def test_what_is_passed_is_drawn_without_the_kernel_and_as_the_kernel_draws_it(s
     assert shown.page.evaluate(SAID) == before, "the kernel hears nothing while it is dragged"
     assert shown.python("print(studio.state.iteration)") == "12"
     alike = shown.difference(by_page, by_kernel)
-    assert alike < 0.5 * shown.difference(by_kernel, last), "stress is cut off at what is judged: few pixels differ at all"
-    assert alike < (0.005 if layer == "stress" else 0.001), "where stress hardly changes, a rounded value moves a line of equal stress far"
+    # The page draws in the scale of what the kernel shows, whose end moves with the stress that decides: by a thousandth from 4 to 12.
+    share, most = (0.7, 0.005) if layer == "stress" else (0.3, 0.001)
+    assert alike < share * shown.difference(by_kernel, last), "stress is cut off at what is judged: few pixels differ at all"
+    assert alike < most
     shown.page.mouse.up()
     shown.page.wait_for_function(DRAWN, arg=f"{layer} 4")
     shown.page.wait_for_function("!document.querySelector('.mechstyle-passing')")
-    assert shown.difference(shown.pixels(shown.canvas()), by_kernel) < 0.001
+    assert shown.difference(shown.pixels(shown.canvas()), by_kernel) < most
 
 
 def test_back_where_it_was_the_kernel_has_nothing_to_draw_and_the_picture_is_its_own(shown):
