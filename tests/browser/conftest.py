@@ -272,6 +272,7 @@ def jupyter_lab(home: Path, folder: Path) -> Iterator[Lab]:
                 process.wait(15)
             except subprocess.TimeoutExpired:
                 os.killpg(process.pid, signal.SIGKILL)
+                process.wait()
 
 
 def private(home: Path) -> dict[str, str]:
