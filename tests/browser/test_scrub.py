@@ -31,7 +31,7 @@ def shown(notebook, finished_run):
     opened = notebook.open(
         f"""
 from mechstyle_widgets import Studio
-studio = Studio({str(finished_run.store.root)!r})
+studio = Studio({str(finished_run.store.root)!r}, language="de")
 studio
 """
     )
@@ -108,7 +108,7 @@ def test_keys_step_and_the_kernel_follows_when_they_rest(shown):
 
 def test_it_plays_to_the_end_and_tells_the_kernel_then(shown):
     shown.page.evaluate("() => { window.said = []; window.passed = []; }")
-    shown.page.get_by_role("button", name="Play").click()
+    shown.page.get_by_role("button", name="Abspielen").click()
     shown.until("studio.state.iteration", ITERATIONS)
     assert shown.page.evaluate("() => new Set(window.passed).size") > 1
     assert shown.page.evaluate("""() => window.said.filter(text => text.includes('"state":{"value"')).length""") == 1
@@ -126,20 +126,11 @@ WRITTEN = """() => {
 }"""
 
 
-def test_a_page_in_german_has_no_word_of_english(notebook, finished_run):
+def test_a_page_in_german_has_no_word_of_english(shown):
     """The slider said "12 of 12" and "iteration": what a script of the page says came from no table."""
-    notebook.open(
-        f"""
-from mechstyle_widgets import Studio
-studio = Studio({str(finished_run.store.root)!r}, language="de")
-studio
-"""
-    )
-    notebook.page.locator(SLIDER).wait_for()
-    notebook.drawn()
-    notebook.page.wait_for_function(PACKED)
-    notebook.page.locator(".mechstyle-studio .js-plotly-plot .main-svg").first.wait_for()
-    texts = notebook.page.evaluate(WRITTEN)
+    kernel_draws(shown, "style", ITERATIONS)
+    shown.page.locator(".mechstyle-studio .js-plotly-plot .main-svg").first.wait_for()
+    texts = shown.page.evaluate(WRITTEN)
     assert any(text.startswith("Schritt 12 von 12, ") for text in texts), "what is heard of the slider tells its verdict"
     assert {"Schritt", "12 von 12", "Abspielen", "Start", "Ganzer Bildschirm"} <= {*texts}
     assert {text: found for text in texts if (found := english_in(text))} == {}
