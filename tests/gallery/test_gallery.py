@@ -130,8 +130,8 @@ def test_a_model_rests_on_a_flat_face_and_does_not_tip_over(name, models):
 
 @pytest.mark.parametrize("name", NAMES)
 def test_walls_can_be_printed(name, models):
-    thickness = wall_thickness(models[name], 1500)
-    assert len(thickness) > 500
+    thickness = wall_thickness(models[name], 700)
+    assert len(thickness) > 230
     assert thickness.min() >= 1.2  # three lines of a 0.4 mm nozzle
 
 
@@ -163,7 +163,7 @@ def test_every_measure_shows_in_the_model(name, measure, models):
 def test_random_measures_give_a_sound_model_or_a_sentence(name):
     random = np.random.default_rng(7)
     built = 0
-    for _ in range(8):
+    for _ in range(5):
         chosen = {key: type(value)(round(value * random.uniform(0.8, 1.2), 2)) for key, value in measures(name).items()}
         try:
             mesh = gallery.make(name, **chosen)
@@ -172,7 +172,7 @@ def test_random_measures_give_a_sound_model_or_a_sentence(name):
         built += 1
         assert mesh.is_closed
         assert wall_thickness(mesh, 150).min() > 1.19
-    assert built >= 3
+    assert built >= 2
 
 
 @pytest.mark.parametrize("value", [0.0, -3.0, 1e4, np.nan, np.inf])

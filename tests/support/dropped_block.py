@@ -17,7 +17,7 @@ from mechstyle.simulation.simulator import DropSimulator
 def simulator(block, memo, at=None, **settings) -> DropSimulator:
     surface, tets = block
     part = Workpiece(surface, tets, local_thickness(surface).astype(np.float32), stands=True, at=at)
-    chosen = {"material": LIBRARY["PLA"], "orientations": 2, "nearly_flat": False, "window": 0.1, **settings}
+    chosen = {"material": LIBRARY["PLA"], "orientations": 2, "nearly_flat": False, "window": 0.1, "element": "tet4", **settings}
     recipe = Recipe.of(surface=surface.digest, tetrahedra=tets.digest, prompt="", **chosen)
     return DropSimulator(part, recipe, memo)
 
