@@ -230,6 +230,7 @@ class StrengthTest(Chapter, frozen=True, kw_only=True):
         nearly_flat: Whether landings tilted by 3° onto the corners and sides of what the part stands on are judged, too.
         hardest_only: Whether the styled part lands only in the two nearly flat ways that are hardest for the plain part. Their critical
             heights are then estimated from one drop each, by an exponent that is usual.
+        rough: Whether drops are rougher and end sooner: steps longer, ringing shorter, and of landings that mirror each other one.
         build_direction: Direction it is printed in, x, y, z or a vector such as 0,0,1: what pulls or shears layers apart is judged by their
             own strength. None for no layers; the material must know its `layer_ratio`.
         friction: Coulomb coefficient of the floor.
@@ -253,7 +254,7 @@ class StrengthTest(Chapter, frozen=True, kw_only=True):
         "window": (0.05, 50.0),
         "damping": (0.0, 1.0),
     }
-    RARE: ClassVar = frozenset({"hardest_only", "friction", "element", "damping", "transfer"})
+    RARE: ClassVar = frozenset({"hardest_only", "rough", "friction", "element", "damping", "transfer"})
 
     specimen: Specimen = Specimen()
     material: Material
@@ -265,6 +266,7 @@ class StrengthTest(Chapter, frozen=True, kw_only=True):
     standard: str = ""
     nearly_flat: bool = True
     hardest_only: bool = False
+    rough: bool = False
     build_direction: tuple[float, float, float] | None = None
     friction: float = 0.0
     window: float | None = None
