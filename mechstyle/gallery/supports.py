@@ -1,4 +1,4 @@
-"""Models that carry things: phone stand, wall hook, tablet stand, door stop."""
+"""Models that carry things: phone stand, wall hook, tablet stand, door stop; measures in mm."""
 
 from __future__ import annotations
 
@@ -13,23 +13,12 @@ from mechstyle.records.mesh import Floats, SurfaceMesh
 
 
 def phone_stand(
-    *,
-    width: float = 72.0,
-    height: float = 108.0,
-    angle: float = 66.0,
-    ledge: float = 15.0,
-    thickness: float = 5.0,
-    slot: float = 14.0,
+    *, width: float = 72.0, height: float = 108.0, angle: float = 66.0, ledge: float = 15.0, thickness: float = 5.0, slot: float = 14.0
 ) -> SurfaceMesh:
     """A desk stand for a phone: a leaning back on a strut, a ledge with a lip, a slot for the cable.
 
-    Args:
-        width: Width [mm].
-        height: Length of the back [mm].
-        angle: Lean of the back above the desk [degrees].
-        ledge: Depth of the ledge [mm].
-        thickness: Thickness of every bar [mm].
-        slot: Width of the cable slot through ledge and lip [mm].
+    `height` is the length of the back, `angle` its lean above the desk [degrees], `ledge` the depth of the ledge, `thickness` that of every
+    bar, `slot` the width of the cable slot.
     """
     _solids.within(width=(width, 40, 140), height=(height, 60, 180), angle=(angle, 50, 80), ledge=(ledge, 8, 30))
     _solids.within(thickness=(thickness, 3, 10), slot=(slot, 6, 0.4 * width))
@@ -46,23 +35,12 @@ def phone_stand(
 
 
 def wall_hook(
-    *,
-    height: float = 100.0,
-    width: float = 34.0,
-    plate: float = 6.0,
-    reach: float = 48.0,
-    thickness: float = 12.0,
-    screw: float = 4.5,
+    *, height: float = 100.0, width: float = 34.0, plate: float = 6.0, reach: float = 48.0, thickness: float = 12.0, screw: float = 4.5
 ) -> SurfaceMesh:
     """A coat hook with a screw plate, lying on the plate as it is printed.
 
-    Args:
-        height: Height of the plate on the wall [mm].
-        width: Width of the plate [mm].
-        plate: Thickness of the plate [mm].
-        reach: How far the hook stands out from the wall [mm].
-        thickness: Thickness of the arm [mm].
-        screw: Diameter of the two countersunk screw holes [mm].
+    `height`, `width` and the thickness `plate` are those of the plate, `reach` is how far the hook stands out from the wall, `thickness`
+    that of the arm, `screw` the diameter of the two holes.
     """
     _solids.within(height=(height, 60, 160), width=(width, 24, 80), plate=(plate, 3, 12), reach=(reach, 32, 90))
     _solids.within(thickness=(thickness, 7, 18), screw=(screw, 2.5, min(0.2 * width, (plate - 1.8) / 0.55)))
@@ -71,8 +49,18 @@ def wall_hook(
         raise BadInput(f"a plate {width:g} x {height:g} mm has no room for {screw:g} mm screws beside a {thickness:g} mm arm: lengthen it")
     outline = _solids.softened(_solids.box(width, height, 0.42 * width), 3.0, 3.0)
     body = _solids.slab(outline, plate, top=0.35 * plate)
-    path, sizes = _hook_line(reach, thickness, 0.62 * width, plate)
-    body += _solids.swept(path - (root, 0.0), sizes)
+    # Middle line (y, z) and sizes of the arm, which leaves the plate, bends upwards and ends round.
+    bend = 0.42 * reach
+    straight, turn = reach - thickness / 2 - bend, np.linspace(0.0, math.radians(78.0), 25)
+    arc = np.column_stack([bend * (1 - np.cos(turn)), straight + bend * np.sin(turn)])
+    tip = arc[-1] + 0.32 * reach * np.linspace(0.0, 1.0, 25)[1:, None] * np.array([math.sin(turn[-1]), math.cos(turn[-1])])
+    path = np.concatenate([np.column_stack([np.zeros(20), np.linspace(0.5 * plate, straight, 20)]), arc[1:], tip])
+    way = np.concatenate([[0.0], np.linalg.norm(np.diff(path, axis=0), axis=1).cumsum()])
+    flare = 1.0 + 0.55 * np.exp(-np.maximum(way - 0.5 * plate, 0.0) / 5.0)
+    left = (way[-1] - way) / (0.5 * thickness)
+    end = np.sqrt(np.clip(1.0 - (1.0 - np.clip(left, 0.0, 1.0)) ** 2, 0.02, 1.0))
+    wide = 0.62 * width * np.minimum(flare, 1.3) * (1.0 - 0.25 * way / way[-1]) * end
+    body += _solids.swept(path - (root, 0.0), np.column_stack([wide, thickness * flare * end]))
     sink = 0.55 * screw
     hole = _solids.turned([(screw / 2, -1.0), (screw / 2, plate - sink), (screw / 2 + sink + 1.0, plate + 1.0)])
     for y in (-hole_place, hole_place):
@@ -80,44 +68,15 @@ def wall_hook(
     return _solids.standing(body)
 
 
-def _hook_line(reach: float, thickness: float, width: float, plate: float) -> tuple[Floats, Floats]:
-    """Middle line (y, z) and sizes (width, thickness) of a hook that leaves the plate, bends upwards and ends round."""
-    bend = 0.42 * reach
-    straight = reach - thickness / 2 - bend
-    turn = np.linspace(0.0, math.radians(78.0), 25)
-    arc = np.column_stack([bend * (1 - np.cos(turn)), straight + bend * np.sin(turn)])
-    out = np.array([math.sin(turn[-1]), math.cos(turn[-1])])
-    tip = arc[-1] + 0.32 * reach * np.linspace(0.0, 1.0, 25)[1:, None] * out
-    root = np.column_stack([np.zeros(20), np.linspace(0.5 * plate, straight, 20)])
-    path = np.concatenate([root, arc[1:], tip])
-    way = np.concatenate([[0.0], np.linalg.norm(np.diff(path, axis=0), axis=1).cumsum()])
-    flare = 1.0 + 0.55 * np.exp(-np.maximum(way - 0.5 * plate, 0.0) / 5.0)
-    left = (way[-1] - way) / (0.5 * thickness)
-    end = np.sqrt(np.clip(1.0 - (1.0 - np.clip(left, 0.0, 1.0)) ** 2, 0.02, 1.0))
-    taper = 1.0 - 0.25 * way / way[-1]
-    return path, np.column_stack([width * np.minimum(flare, 1.3) * taper * end, thickness * flare * end])
-
-
 def tablet_stand(
-    *,
-    width: float = 128.0,
-    height: float = 140.0,
-    angle: float = 64.0,
-    ledge: float = 15.0,
-    thickness: float = 5.0,
-    middle: float = 36.0,
+    *, width: float = 128.0, height: float = 140.0, angle: float = 64.0, ledge: float = 15.0, thickness: float = 5.0, middle: float = 36.0
 ) -> SurfaceMesh:
     """A desk stand for a tablet: two triangles with hooks, joined by a leaning back that is cut out from above.
 
     Nothing wide lies level, because that is what a flat landing bends: see docs/gallery.md.
 
-    Args:
-        width: Width [mm].
-        height: Length of the back [mm].
-        angle: Lean of the back above the desk [degrees].
-        ledge: Depth of the hooks, room for a tablet in its cover [mm].
-        thickness: Thickness of the back; the triangles have 2.2 times that [mm].
-        middle: Length of the back in its middle [mm].
+    `height` is the length of the back, `middle` that in its middle, `angle` its lean above the desk [degrees], `ledge` the room for a
+    tablet in its cover, `thickness` that of the back; the triangles have 2.2 times that.
     """
     _solids.within(width=(width, 80, 200), height=(height, 100, 220), angle=(angle, 52, 76), ledge=(ledge, 8, 24))
     _solids.within(thickness=(thickness, 4, 8), middle=(middle, 16, 0.8 * height))
@@ -156,22 +115,10 @@ def _hooked_triangle(top: Floats, ledge: float, thickness: float) -> CrossSectio
     return (outline - opening).simplify(0.05)  # else hairlines beside some of its corners are creases, too
 
 
-def door_stop(
-    *,
-    length: float = 118.0,
-    width: float = 44.0,
-    height: float = 30.0,
-    toe: float = 4.0,
-    eye: float = 13.0,
-) -> SurfaceMesh:
+def door_stop(*, length: float = 118.0, width: float = 44.0, height: float = 30.0, toe: float = 4.0, eye: float = 13.0) -> SurfaceMesh:
     """A wedge for under a door with an eye to hang it up by.
 
-    Args:
-        length: Length [mm].
-        width: Width [mm].
-        height: Height of the thick end [mm].
-        toe: Height of the thin end [mm].
-        eye: Diameter of the eye [mm].
+    `height` is that of the thick end, `toe` that of the thin end, `eye` the diameter of the eye.
     """
     _solids.within(length=(length, 70, 180), width=(width, 24, 80), height=(height, 18, 50), toe=(toe, 2.4, 0.4 * height))
     _solids.within(eye=(eye, 6, 0.55 * height))

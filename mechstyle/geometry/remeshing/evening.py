@@ -123,17 +123,9 @@ def surface_of(body: Any) -> SurfaceMesh:
 def remeshed(
     body: Any, edge: float, *, tolerance: float, iterations: int = TOL.iterations, go_on: CancelCheck = never_cancel
 ) -> SurfaceMesh:
-    """A Manifold in even triangles.
+    """A Manifold in even triangles of an edge length [mm], after `iterations` of splits, collapses, flips and smoothing.
 
-    Args:
-        body: The Manifold.
-        edge: Edge length [mm].
-        tolerance: Most by which removing needless vertices beforehand may move the surface [mm].
-        iterations: Rounds of splits, collapses, flips and smoothing.
-        go_on: Asked in between.
-
-    Raises:
-        BadInput: If nothing is left of the part within the tolerance.
+    Removing needless vertices beforehand moves the surface by `tolerance` at most [mm]; BadInput if nothing is left of it.
     """
     original, fine = surface_of(body), _refined(body, edge, tolerance, go_on)
     creases, rounds = _fixed(fine, edge)
@@ -146,11 +138,7 @@ def remeshed(
 
 
 def _refined(body: Any, edge: float, tolerance: float, go_on: CancelCheck) -> SurfaceMesh:
-    """A Manifold without the vertices that it needs for no more than a tolerance [mm], long edges cut.
-
-    Raises:
-        BadInput: If nothing is left of it.
-    """
+    """A Manifold without the vertices that it needs for no more than a tolerance [mm], long edges cut; BadInput if nothing is left."""
     simple = body.simplify(tolerance)
     go_on()
     if simple.is_empty():

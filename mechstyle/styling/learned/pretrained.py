@@ -84,33 +84,20 @@ class Config(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Words(NamedTuple):
-    """How a prompt becomes numbers: byte-pair encoding (Sennrich et al. 2016).
+    """How a prompt becomes numbers: byte-pair encoding (Sennrich et al. 2016)."""
 
-    Attributes:
-        vocabulary: The number of every token.
-        merges: Pairs of tokens that become one, the most frequent first.
-    """
-
-    vocabulary: dict[str, int]
-    merges: list[tuple[str, str]]
+    vocabulary: dict[str, int]  # the number of every token
+    merges: list[tuple[str, str]]  # pairs of tokens that become one, the most frequent first
 
 
 class Pretrained(NamedTuple):
-    """A folder with a whole CLIP.
+    """A folder with a whole CLIP."""
 
-    Attributes:
-        folder: Where it is.
-        config: Its sizes.
-        words: Its tokenizer.
-        tensors: The file of every tensor it needs.
-        files: Names of the files it is made of, sorted.
-    """
-
-    folder: Path
-    config: Config
-    words: Words
-    tensors: dict[str, str]
-    files: tuple[str, ...]
+    folder: Path  # where it is
+    config: Config  # its sizes
+    words: Words  # its tokenizer
+    tensors: dict[str, str]  # the file of every tensor it needs
+    files: tuple[str, ...]  # names of the files it is made of, sorted
 
 
 class _Type(msgspec.Struct):
@@ -140,27 +127,20 @@ def opened(folder: Path) -> Pretrained:
     """
     if not folder.is_dir():
         raise BadInput(f"{folder} is no folder: name the one that {CONFIG} and {WHOLE} are in")
-    _check_kind(folder)
+    pickled = sorted(path.name for pattern in PICKLED for path in folder.glob(pattern))
+    if pickled and not _weight_file(folder):
+        way = f"save the model as {WHOLE} with CLIPModel.from_pretrained(FOLDER).save_pretrained(OTHER) of transformers"
+        risk = "is pickled, and reading a pickled file can run programs"
+        raise BadInput(f"{folder / pickled[0]} {risk}: where you trust it, {way}, and the tokenizer likewise")
+    needed = [] if (folder / TOKENIZER).exists() else [MERGES, VOCABULARY]
+    absent = sorted([*(name for name in (CONFIG, *needed) if not (folder / name).exists()), *([] if _weight_file(folder) else [WHOLE])])
+    if absent:
+        way = "save a CLIPModel and tokenizer there with transformers"
+        raise BadInput(f"{folder} holds no CLIP weights: {', '.join(absent)} missing; {way}")
     config, (words, word_files), (found, weight_files) = _config(folder), _words(folder), _weights(folder)
     _fit(folder, config, words)
     tensors = _tensor_files(folder, config, found)
     return Pretrained(folder, config, words, tensors, tuple(sorted({CONFIG, *word_files, *weight_files})))
-
-
-def _check_kind(folder: Path) -> None:
-    """Refuse what is no CLIP in safetensors, saying what to do with what is there."""
-    pickled = sorted(path.name for pattern in PICKLED for path in folder.glob(pattern))
-    if pickled and not _weight_file(folder):
-        raise BadInput(
-            f"{folder / pickled[0]} is pickled, and reading a pickled file can run programs: where you trust it, save the model as "
-            f"{WHOLE} with CLIPModel.from_pretrained(FOLDER).save_pretrained(OTHER) of transformers, and the tokenizer likewise"
-        )
-    words = [] if (folder / TOKENIZER).exists() else [name for name in (MERGES, VOCABULARY) if not (folder / name).exists()]
-    absent = [*([] if (folder / CONFIG).exists() else [CONFIG]), *words, *([] if _weight_file(folder) else [WHOLE])]
-    if absent:
-        raise BadInput(
-            f"{folder} holds no CLIP weights: {', '.join(sorted(absent))} missing; save a CLIPModel and tokenizer there with transformers"
-        )
 
 
 def _config(folder: Path) -> Config:
