@@ -9,7 +9,7 @@ from manifold3d import CrossSection
 
 from mechstyle.errors import BadInput
 from mechstyle.gallery import _solids
-from mechstyle.records.mesh import Floats, SurfaceMesh
+from mechstyle.records.mesh import SurfaceMesh
 
 
 def phone_stand(
@@ -81,8 +81,20 @@ def tablet_stand(
     _solids.within(width=(width, 80, 200), height=(height, 100, 220), angle=(angle, 52, 76), ledge=(ledge, 8, 24))
     _solids.within(thickness=(thickness, 4, 8), middle=(middle, 16, 0.8 * height))
     along = np.array([math.cos(math.radians(angle)), math.sin(math.radians(angle))])
-    triangle = 2.2 * thickness
-    side = _solids.bar(_hooked_triangle(height * along, ledge, thickness), triangle, 2.0)
+    top, triangle = height * along, 2.2 * thickness
+    up = top / np.linalg.norm(top)
+    across = np.array([-up[1], up[0]])
+    # Side view: a triangle from heel to top with an opening, and a hook in front of its heel.
+    frame = _solids.offset(_solids.polygon(np.array([[0.0, 0.0], [0.68 * float(np.linalg.norm(top)), 0.0], top])), 1.2 * thickness)
+    rest = 26.0 * up + 1.2 * thickness * across  # of the tablet's edge
+    lip, dot = rest + (ledge + 0.8 * thickness) * across, _solids.disc(0.9 * thickness)
+    around = (lip + thickness * up, lip, (-1.2 * thickness, 0.9 * thickness), (0.0, 0.0), rest)
+    hook = CrossSection.batch_hull([dot.translate((float(x), float(y))) for x, y in around])
+    room = _solids.polygon([rest, rest + 60.0 * up, rest + 60.0 * up + ledge * across, rest + ledge * across])
+    outline = _solids.softened(frame + (hook - _solids.softened(room, min(5.0, 0.4 * ledge), 0.1)), 0.6 * thickness, 1.2 * thickness)
+    opening = _solids.offset(_solids.offset(frame, -21.0 - 1.2 * thickness), 7.0)
+    # Simplified, else hairlines in some of its corners are creases, too.
+    side = _solids.bar((outline - opening).simplify(0.05), triangle, 2.0)
     apart = 0.5 * (width - triangle)
     stand = side.translate((0.0, apart, 0.0)) + side.translate((0.0, -apart, 0.0))
     valley = CrossSection([_solids.superellipse(apart - 0.5 * triangle - 1.5 - thickness, height - middle, 2.4, 120)])
@@ -96,23 +108,6 @@ def tablet_stand(
     place = np.array([[0.0, x, across[0], behind * across[0]], [-1.0, 0.0, 0.0, 0.0], [0.0, z, across[1], behind * across[1]]])
     stand = (stand + back.transform(place)).trim_by_plane((0.0, 0.0, 1.0), 0.0)  # so that all it stands on is one plane
     return _solids.standing(stand.rotate((0.0, 0.0, 90.0)))
-
-
-def _hooked_triangle(top: Floats, ledge: float, thickness: float) -> CrossSection:
-    """Side view of a tablet stand: a triangle from heel to `top` with an opening, and a hook in front of its heel."""
-    along = top / np.linalg.norm(top)
-    across = np.array([-along[1], along[0]])
-    corners = np.array([[0.0, 0.0], [0.68 * float(np.linalg.norm(top)), 0.0], top])
-    frame = _solids.offset(_solids.polygon(corners), 1.2 * thickness)
-    rest = 26.0 * along + 1.2 * thickness * across  # of the tablet's edge
-    lip = rest + (ledge + 0.8 * thickness) * across
-    dot = _solids.disc(0.9 * thickness)
-    around = (lip + thickness * along, lip, (-1.2 * thickness, 0.9 * thickness), (0.0, 0.0), rest)
-    hook = CrossSection.batch_hull([dot.translate((float(x), float(y))) for x, y in around])
-    room = _solids.polygon([rest, rest + 60.0 * along, rest + 60.0 * along + ledge * across, rest + ledge * across])
-    outline = _solids.softened(frame + (hook - _solids.softened(room, min(5.0, 0.4 * ledge), 0.1)), 0.6 * thickness, 1.2 * thickness)
-    opening = _solids.offset(_solids.offset(frame, -21.0 - 1.2 * thickness), 7.0)
-    return (outline - opening).simplify(0.05)  # else hairlines beside some of its corners are creases, too
 
 
 def door_stop(*, length: float = 118.0, width: float = 44.0, height: float = 30.0, toe: float = 4.0, eye: float = 13.0) -> SurfaceMesh:

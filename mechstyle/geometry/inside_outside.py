@@ -89,15 +89,7 @@ def is_container(mesh: SurfaceMesh) -> bool:
     areas = mesh.vertex_areas
     if areas[inside].sum() < CONTAINED * areas.sum():
         return False
-    openings = _openings(mesh, inside)
-    whole = np.abs(openings.sum(axis=0))
-    way, size = int(whole.argmax()), float(np.linalg.norm(whole))
-    one_side = size > ONE_SIDE * np.linalg.norm(openings, axis=1).sum()
-    return bool(one_side and whole[way] > STRAIGHT * size)
-
-
-def _openings(mesh: SurfaceMesh, inside: NDArray[np.bool_]) -> Floats:
-    """The vector area of each opening [mm²], shape [count, 3]: of the loop in which the border of the inside crosses the faces."""
+    # The vector area of each opening [mm²], shape [count, 3]: of the loop in which the border of the inside crosses the faces.
     mixed = mesh.faces[inside[mesh.faces].any(axis=1) & ~inside[mesh.faces].all(axis=1)]
     odd = np.where(inside[mixed].sum(axis=1) == 1, inside[mixed].argmax(axis=1), (~inside[mixed]).argmax(axis=1))
     one, left, right = (np.take_along_axis(mixed, ((odd + k) % 3)[:, None], axis=1)[:, 0] for k in range(3))
@@ -109,7 +101,11 @@ def _openings(mesh: SurfaceMesh, inside: NDArray[np.bool_]) -> Floats:
     count = int(edge.max()) + 1 if edge.size else 0
     loop = connected_components(sp.coo_array((np.ones(edge.shape[1]), edge), shape=(count, count)), directed=False)[1][edge[0]]
     swept = 0.5 * np.cross(start - mesh.vertices.mean(axis=0), end - mesh.vertices.mean(axis=0))
-    return np.stack([np.bincount(loop, column) for column in swept.T], axis=1)
+    openings = np.stack([np.bincount(loop, column) for column in swept.T], axis=1)
+    whole = np.abs(openings.sum(axis=0))
+    way, size = int(whole.argmax()), float(np.linalg.norm(whole))
+    one_side = size > ONE_SIDE * np.linalg.norm(openings, axis=1).sum()
+    return bool(one_side and whole[way] > STRAIGHT * size)
 
 
 def openness(mesh: SurfaceMesh) -> Floats:

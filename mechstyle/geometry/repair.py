@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import manifold3d
 import numpy as np
@@ -236,19 +236,12 @@ def _closes(surface: SurfaceMesh, patch: NDArray[np.int32], dropped: set[int], n
     return bool(np.isin(left, (0, 2)).all()) and len(dropped) <= int(patch.max())
 
 
-class _Openings(NamedTuple):
-    """Edges with one face, by the opening they surround."""
-
-    rim: Indices  # directed as in their faces, shape [k, 2]
-    number: NDArray[np.int64]  # opening of each, shape [k]
-    middles: Floats  # mean of the rim of each opening [mm], shape [count, 3]
-    areas: Floats  # length of the vector area, the area of the opening if it is plane [mm²], shape [count]
-    fan_areas: Floats  # area of the fan of triangles from the rim to the middle [mm²], shape [count]
-
-
-def _openings(surface: SurfaceMesh) -> _Openings:
+def _plugged(surface: SurfaceMesh, name: str, notes: list[str]) -> SurfaceMesh:
+    """Every small hole closed by a fan of triangles around its middle; cracks stay open."""
     rim = _rim(surface)
-    number = np.unique(_linked(rim, len(surface.vertices))[rim[:, 0]], return_inverse=True)[1].reshape(-1)
+    if not len(rim):
+        return surface
+    number = np.unique(_linked(rim, len(surface.vertices))[rim[:, 0]], return_inverse=True)[1].reshape(-1)  # of the opening of each edge
 
     def sums(rows: Floats) -> Floats:
         return np.stack([np.bincount(number, column) for column in rows.T], axis=1)
@@ -256,29 +249,20 @@ def _openings(surface: SurfaceMesh) -> _Openings:
     start, end = surface.vertices[rim[:, 0]], surface.vertices[rim[:, 1]]
     middles = sums(start) / np.bincount(number)[:, None]
     spokes = 0.5 * np.cross(start - middles[number], end - middles[number])
-    fan_areas = np.bincount(number, np.linalg.norm(spokes, axis=1)).astype(np.float64)
-    return _Openings(rim, number, middles, np.linalg.norm(sums(spokes), axis=1), fan_areas)
-
-
-def _plugged(surface: SurfaceMesh, name: str, notes: list[str]) -> SurfaceMesh:
-    """Every small hole closed by a fan of triangles around its middle; cracks stay open."""
-    openings = _openings(surface)
-    if not len(openings.areas):
-        return surface
-    largest, total = openings.areas.max(), surface.face_areas.sum()
-    if largest > LARGEST_HOLE * total:
+    areas, total = np.linalg.norm(sums(spokes), axis=1), surface.face_areas.sum()  # vector areas: those of openings that are plane
+    if areas.max() > LARGEST_HOLE * total:
         raise BadInput(
-            f"{name} is open and cannot be closed: an opening of {_area(largest)} is no small hole in a surface of {_area(total)}; "
+            f"{name} is open and cannot be closed: an opening of {_area(areas.max())} is no small hole in a surface of {_area(total)}; "
             "give it a thickness or cap the opening, and export it again"
         )
-    round_ones = np.flatnonzero((openings.areas > 0) & (openings.fan_areas <= CROOKED * openings.areas))
+    fan_areas = np.bincount(number, np.linalg.norm(spokes, axis=1))
+    round_ones = np.flatnonzero((areas > 0) & (fan_areas <= CROOKED * areas))
     if not len(round_ones):
         return surface
-    fans = np.isin(openings.number, round_ones)
-    rim, middle = openings.rim[fans], len(surface.vertices) + openings.number[fans]
-    notes.append(f"closed {counted(len(round_ones), 'hole', 'holes')} of {_area(openings.areas[round_ones].sum())} in all")
-    plugs = np.stack([rim[:, 1], rim[:, 0], middle], axis=1)
-    return without_unused(np.vstack([surface.vertices, openings.middles]), np.vstack([surface.faces, plugs]))
+    fans = np.isin(number, round_ones)
+    notes.append(f"closed {counted(len(round_ones), 'hole', 'holes')} of {_area(areas[round_ones].sum())} in all")
+    plugs = np.stack([rim[fans][:, 1], rim[fans][:, 0], len(surface.vertices) + number[fans]], axis=1)
+    return without_unused(np.vstack([surface.vertices, middles]), np.vstack([surface.faces, plugs]))
 
 
 # --- solids -------------------------------------------------------------------------------------------------------

@@ -92,7 +92,16 @@ def figure(
         sheet.text(MARGIN / page.width, 1 - (MARGIN + 12) / page.height, title, size=13, weight="bold", color=INK, va="center")
     for index, (panel, camera) in enumerate(zip(panels, _cameras(panels, panel_size), strict=True)):
         scale = None if panel.field is None else scales[panel.field]
-        _draw_panel(page.picture_axes(sheet, index), panel, camera, scale, device)
+        axes = page.picture_axes(sheet, index)
+        width, height = _pixels(axes)
+        shows = None if panel.values is None or scale is None else Field(panel.values, scale)
+        picture = render(panel.mesh, camera=camera, width=width, height=height, field=shows, device=device)
+        axes.imshow(picture, interpolation="none", extent=(0, width, height, 0), aspect="auto")
+        axes.set_axis_off()
+        _shorten(axes.text(0, -10, panel.title, size=11, weight="bold", color=INK, va="bottom"), width)
+        _shorten(axes.text(0, height + 4, panel.note, size=9.5, color=FAINT, va="top"), width)
+        if shows is not None and panel.unit:
+            _mark_extremes(axes, panel, camera)
     for index, (field, scale) in enumerate(scales.items()):
         judged = max((panel.judged for panel in panels if panel.field == field and panel.judged is not None), default=None)
         _draw_bar(page.bar_axes(sheet, index), field[0], field[1], scale, judged)
@@ -169,18 +178,6 @@ def _cameras(panels: Sequence[Panel], size: tuple[int, int]) -> list[Camera]:
         alike = [other.mesh.vertices for other, same in zip(panels, near, strict=True) if same and other.view == panel.view]
         cameras.append(Camera.named(panel.view, np.concatenate(alike), aspect=size[0] / size[1]))
     return cameras
-
-
-def _draw_panel(axes: Axes, panel: Panel, camera: Camera, scale: Scale | None, device: str) -> None:
-    width, height = _pixels(axes)
-    field = None if panel.values is None or scale is None else Field(panel.values, scale)
-    picture = render(panel.mesh, camera=camera, width=width, height=height, field=field, device=device)
-    axes.imshow(picture, interpolation="none", extent=(0, width, height, 0), aspect="auto")
-    axes.set_axis_off()
-    _shorten(axes.text(0, -10, panel.title, size=11, weight="bold", color=INK, va="bottom"), width)
-    _shorten(axes.text(0, height + 4, panel.note, size=9.5, color=FAINT, va="top"), width)
-    if field is not None and panel.unit:
-        _mark_extremes(axes, panel, camera)
 
 
 def _shorten(text: Text, width: int) -> None:

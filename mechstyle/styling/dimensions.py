@@ -53,17 +53,13 @@ class Layout:
 
         The areas are those of the vertices, shape [n]; `cover` is as in `Relief`.
         """
-        if cover is not None:
-            return cover * self._displacement(height, areas * cover, (-1.0, 1.0))
-        return self._displacement(height, areas, _range(height, areas))
-
-    def _displacement(self, height: Floats, areas: Floats, ends: tuple[float, float]) -> Floats:
-        low, high = ends
+        low, high = _range(height, areas) if cover is None else (-1.0, 1.0)
         span = high - low if self.span is None else self.span
         gain = self.depth / span if span > 0.0 else np.zeros_like(self.depth)
-        weight = areas * gain
+        weight = (areas if cover is None else areas * cover) * gain
         mean = float(weight @ height / weight.sum()) if weight.sum() > 0.0 else 0.0
-        return gain * (height - mean) + self._shift(gain * (mean - low), gain * (high - mean))
+        relief = gain * (height - mean) + self._shift(gain * (mean - low), gain * (high - mean))
+        return relief if cover is None else cover * relief
 
     @property
     def reach(self) -> tuple[Floats, Floats]:

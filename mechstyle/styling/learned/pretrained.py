@@ -139,7 +139,20 @@ def opened(folder: Path) -> Pretrained:
         raise BadInput(f"{folder} holds no CLIP weights: {', '.join(absent)} missing; {way}")
     config, (words, word_files), (found, weight_files) = _config(folder), _words(folder), _weights(folder)
     _fit(folder, config, words)
-    tensors = _tensor_files(folder, config, found)
+    tensors = {}  # the file of every tensor the model needs
+    for tensor, shape in tensors_of(config):
+        if tensor not in found:
+            raise BadInput(f"{folder} holds no whole CLIP: the tensor {tensor} is missing; save a whole CLIPModel there with transformers")
+        file, is_shape, kind = found[tensor]
+        if is_shape != shape:
+            what = f"the tensor {tensor} in {folder / file} has the shape {list(is_shape)}, but {CONFIG} asks for {list(shape)}"
+            raise BadInput(f"{what}: the two belong to different models; get the folder again")
+        if kind not in FLOATS:
+            raise BadInput(f"the tensor {tensor} in {folder / file} is of the type {kind}: save the model in float32, float16 or bfloat16")
+        tensors[tensor] = file
+    for tensor in found:
+        if tensor.startswith(("text_model.", "vision_model.")) and tensor not in tensors and not tensor.endswith(".position_ids"):
+            raise BadInput(f"{CONFIG} in {folder} knows no tensor {tensor}: the two belong to different models; get the folder again")
     return Pretrained(folder, config, words, tensors, tuple(sorted({CONFIG, *word_files, *weight_files})))
 
 
@@ -150,10 +163,8 @@ def _config(folder: Path) -> Config:
     config = _json(folder, CONFIG, Config)
     for tower in (config.text, config.vision):
         if tower.hidden_size % tower.num_attention_heads:
-            raise BadInput(
-                f"{folder / CONFIG} is damaged: {tower.num_attention_heads} attention heads cannot share {tower.hidden_size} channels; "
-                "get the folder again"
-            )
+            heads = f"{tower.num_attention_heads} attention heads cannot share {tower.hidden_size} channels"
+            raise BadInput(f"{folder / CONFIG} is damaged: {heads}; get the folder again")
     return config
 
 
@@ -185,10 +196,8 @@ def _fit(folder: Path, config: Config, words: Words) -> None:
     if absent:
         raise BadInput(f"the tokenizer in {folder} is not of CLIP: it knows no {absent[0]}; save the CLIPTokenizer of the model there")
     if not 0 <= min(numbers) <= max(numbers) < size:
-        raise BadInput(
-            f"the tokenizer in {folder} numbers its tokens {min(numbers)} to {max(numbers)}, but the model knows {size}: "
-            "save the CLIPTokenizer of this very model there"
-        )
+        span = f"numbers its tokens {min(numbers)} to {max(numbers)}, but the model knows {size}"
+        raise BadInput(f"the tokenizer in {folder} {span}: save the CLIPTokenizer of this very model there")
 
 
 def _weight_file(folder: Path) -> str:
@@ -221,27 +230,6 @@ def _header(folder: Path, name: str) -> dict[str, tuple[Shape, str]]:
             return {tensor: (tuple(part.get_shape()), str(part.get_dtype())) for tensor, part in slices.items()}
     except (SafetensorError, OSError, ValueError) as error:
         raise BadInput(f"{folder / name} is damaged or was cut off ({_first_line(error)}): get it again") from error
-
-
-def _tensor_files(folder: Path, config: Config, found: dict[str, tuple[str, Shape, str]]) -> dict[str, str]:
-    """The file of every tensor the model needs."""
-    needed = {}
-    for tensor, shape in tensors_of(config):
-        if tensor not in found:
-            raise BadInput(f"{folder} holds no whole CLIP: the tensor {tensor} is missing; save a whole CLIPModel there with transformers")
-        file, is_shape, kind = found[tensor]
-        if is_shape != shape:
-            raise BadInput(
-                f"the tensor {tensor} in {folder / file} has the shape {list(is_shape)}, but {CONFIG} asks for {list(shape)}: "
-                "the two belong to different models; get the folder again"
-            )
-        if kind not in FLOATS:
-            raise BadInput(f"the tensor {tensor} in {folder / file} is of the type {kind}: save the model in float32, float16 or bfloat16")
-        needed[tensor] = file
-    for tensor in found:
-        if tensor.startswith(("text_model.", "vision_model.")) and tensor not in needed and not tensor.endswith(".position_ids"):
-            raise BadInput(f"{CONFIG} in {folder} knows no tensor {tensor}: the two belong to different models; get the folder again")
-    return needed
 
 
 def tensors_of(config: Config) -> Iterator[tuple[str, Shape]]:
