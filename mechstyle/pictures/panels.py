@@ -71,14 +71,9 @@ def verdict_note(verdict: Verdict) -> str:
 def checkpoint_panels(
     original: SurfaceMesh, state: Checkpoint, recipe: Recipe, measured: Verdict | None, measured_at: int | None
 ) -> list[Panel]:
-    """Styled look, stress of the last test that gave an answer and mask, side by side.
+    """Styled look, stress of the last test that gave an answer, and mask of a checkpoint, side by side.
 
-    Args:
-        original: The unstylized surface.
-        state: What to show.
-        recipe: Its recipe.
-        measured: The verdict of that test, None if none gave an answer.
-        measured_at: Its iteration, None as for `measured`; if a later one failed, the picture says so.
+    `measured` is the verdict of that test, at an iteration, None if none gave an answer; if a later one failed, the picture says so.
     """
     from mechstyle.pictures.figure import Panel  # noqa: PLC0415 — as above
 
@@ -92,15 +87,9 @@ def checkpoint_panels(
         note = f"UNKNOWN: the later test at iteration {state.simulated_at} gave no answer"
     stress = fields.quantities(recipe, measured)[0]
     return [
-        Panel(styled, f"“{recipe.style.prompt}”"),
-        field_panel(styled, stress, stress.of(state), title=f"stress{when}", note=note),
-        field_panel(
-            styled,
-            fields.RESTRAINT,
-            fields.RESTRAINT.of(state),
-            note=f"{state.restrained.mean():.0%} restrained",
-        ),
-    ]
+        Panel(styled, f"“{recipe.style.prompt}”"), field_panel(styled, stress, stress.of(state), title=f"stress{when}", note=note),
+        field_panel(styled, fields.RESTRAINT, fields.RESTRAINT.of(state), note=f"{state.restrained.mean():.0%} restrained"),
+    ]  # fmt: skip
 
 
 def chosen_panels(styled: SurfaceMesh, found: Sequence[Known], wanted: Sequence[str]) -> list[Panel]:
@@ -135,12 +124,9 @@ def picture(panels: Sequence[Panel], *, title: str = "", columns: int | None = N
 
 
 def comparison(original: SurfaceMesh, start: Checkpoint, finals: Sequence[tuple[str, Checkpoint, Recipe]]) -> Picture:
-    """The plain part beside several results of one prompt: look above, stress of the test that decides below and from underneath.
+    """The plain part next to several results of one prompt: look above, stress of the test that decides below and from underneath.
 
-    Args:
-        original: The unstylized surface.
-        start: Its checkpoint.
-        finals: Name, last checkpoint and recipe of each result.
+    Each result has a name, its last checkpoint and its recipe; `start` is the checkpoint of the plain part.
     """
     from mechstyle.pictures.figure import Panel  # noqa: PLC0415 — as above
 
