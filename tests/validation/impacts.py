@@ -7,6 +7,7 @@ import platform
 import subprocess
 import sys
 from collections.abc import Iterator
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -23,18 +24,21 @@ from mechstyle.fea.orientations import directions
 from mechstyle.fea.snapshots import snapshots
 from mechstyle.fea.stressed_volume import DROPPED
 from mechstyle.records.mesh import Floats, TetMesh
-from mechstyle.simulation.validation import calculix
-from mechstyle.simulation.validation.cases import Result, bounded, compared
-from mechstyle.simulation.validation.meshes import ball, box, bracket
-from mechstyle.simulation.validation.reading import PLA, UPRIGHT, Body, Reading
+from validation import calculix
+from validation.cases import Result, bounded, compared
+from validation.meshes import ball, box, bracket
+from validation.reading import PLA, UPRIGHT, Body, Reading
 
 SAME = 1e-3
+FOLDER = str(Path(__file__).parents[1])
+"""Where this package is found."""
 ELSEWHERE = """
 import sys
 from mechstyle._warp import wp
 own = wp.config.cpu_compiler_flags or "-march=native"  # None means the same
 wp.config.cpu_compiler_flags = own.replace("-march=native", "-target-cpu x86-64")
-from mechstyle.simulation.validation.impacts import _plate
+sys.path.insert(0, sys.argv[2])
+from validation.impacts import _plate
 sys.stdout.buffer.write(_plate(sys.argv[1]).tobytes())
 """
 """The plate in a process whose kernels are compiled for another processor."""
@@ -113,7 +117,7 @@ def instructions() -> Iterator[Result]:
         raise MissingPiece(f"the oldest instructions are known for x86-64, not for {platform.machine()}, so they were not compared")
     for name in ELEMENTS:
         here = _plate(name)
-        answer = subprocess.run([sys.executable, "-c", ELSEWHERE, name], check=True, stdout=subprocess.PIPE).stdout  # noqa: S603 — our own words
+        answer = subprocess.run([sys.executable, "-c", ELSEWHERE, name, FOLDER], check=True, stdout=subprocess.PIPE).stdout
         there = np.frombuffer(answer, here.dtype)
         largest, note = float(here.max()), "x86-64 without extensions against this processor"
         yield compared(f"instructions: {name}, largest von Mises", largest, float(there.max()), 1e-5, "MPa", note)

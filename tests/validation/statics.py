@@ -15,9 +15,9 @@ from mechstyle.fea.elasticity import LAWS, law_named
 from mechstyle.fea.elements import ELEMENTS, QUADRATIC, ElementMesh, with_nodes
 from mechstyle.records.material import LIBRARY, Material
 from mechstyle.records.mesh import Floats, TetMesh
-from mechstyle.simulation.validation import calculix
-from mechstyle.simulation.validation.cases import Result, bounded, compared
-from mechstyle.simulation.validation.meshes import box
+from validation import calculix
+from validation.cases import Result, bounded, compared
+from validation.meshes import box
 
 PLA = LIBRARY["PLA"]
 EXACT = 1e-6

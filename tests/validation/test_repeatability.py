@@ -10,10 +10,11 @@ from mechstyle import gallery
 from mechstyle.fea.drop import DropTest
 from mechstyle.records import Landing, Simulation
 from mechstyle.records.mesh import TetMesh
-from mechstyle.simulation.validation import repeatability
-from mechstyle.simulation.validation.meshes import bracket
-from mechstyle.simulation.validation.reading import Body, period_of_body
-from mechstyle.simulation.validation.repeatability import (
+from support.cases import held, quick
+from validation import repeatability
+from validation.meshes import bracket
+from validation.reading import Body, period_of_body
+from validation.repeatability import (
     STRENGTHS,
     Pair,
     about_z,
@@ -24,7 +25,6 @@ from mechstyle.simulation.validation.repeatability import (
     spread,
     transformed,
 )
-from support.cases import held, quick
 
 MIRROR = np.diag([-1.0, 1.0, 1.0])
 

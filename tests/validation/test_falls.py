@@ -14,10 +14,10 @@ from mechstyle.fea.flight import RigidBody
 from mechstyle.fea.linear_solvers import lowest_period
 from mechstyle.fea.phases import follow
 from mechstyle.records.material import LIBRARY
-from mechstyle.simulation.validation import falls
-from mechstyle.simulation.validation.falls import TILTS, WORST, _landed_again, later_touches, tilted_ways
-from mechstyle.simulation.validation.meshes import box, bracket
 from support.cases import held, quick
+from validation import falls
+from validation.falls import TILTS, WORST, _landed_again, later_touches, tilted_ways
+from validation.meshes import box, bracket
 
 PLA = LIBRARY["PLA"]
 
