@@ -52,11 +52,7 @@ POINTS = _points_of_a_triangle()
 
 @dataclass(frozen=True, eq=False)
 class Boundary:
-    """The sides of a body that belong to one tetrahedron only.
-
-    Attributes:
-        mesh: The body.
-    """
+    """The sides of a body that belong to one tetrahedron only."""
 
     mesh: ElementMesh
 
@@ -132,10 +128,12 @@ class Picked:
 
 def pick(boundary: Boundary, place: Place) -> Picked:
     """The piece of an undeformed boundary at a place; BadInput if there is none."""
-    if not isinstance(place, Patch):
-        picked = _of_sides(boundary, on_floor(SurfaceMesh(boundary.mesh.nodes, boundary.sides[:, :3])))
-    elif place.facet is not None:
-        picked = _of_sides(boundary, _facet(boundary, np.array(place.facet), place.angle))
+    if not isinstance(place, Patch) or place.facet is not None:
+        if isinstance(place, Patch):
+            sides = _facet(boundary, np.array(place.facet), place.angle)
+        else:
+            sides = on_floor(SurfaceMesh(boundary.mesh.nodes, boundary.sides[:, :3]))
+        picked = Picked(np.repeat(sides[:, None], len(POINTS), axis=1), _nodes_of(boundary, sides))
     elif place.near is not None:
         picked = _near(boundary, np.array(place.near[:3]), place.near[3])
     else:
@@ -164,10 +162,6 @@ def _near(boundary: Boundary, place: Floats, radius: float) -> Picked:
     same = np.asarray(boundary.area_vectors @ boundary.area_vectors[side] > 0.0)
     whole = _within(boundary, lambda points: in_ball(points, centre, radius))
     return Picked(whole.inside & same[:, None], whole.nodes & _nodes_of(boundary, same))
-
-
-def _of_sides(boundary: Boundary, sides: Bools) -> Picked:
-    return Picked(np.repeat(sides[:, None], len(POINTS), axis=1), _nodes_of(boundary, sides))
 
 
 def _nodes_of(boundary: Boundary, sides: Bools) -> Bools:
@@ -312,13 +306,7 @@ BODY_SHARES = {"tet4": np.full(4, 1.0 / 4.0), "tet10": np.array([-1.0 / 20.0] * 
 
 @dataclass(frozen=True, eq=False)
 class StaticTest:
-    """The load cases of one part.
-
-    Attributes:
-        tets: The unstylized part, on which places are picked.
-        cases: Its load cases.
-        element: `tet10` or `tet4`; linear tetrahedra are several times too stiff in thin walls.
-    """
+    """Load cases of one part, whose places are picked on the unstylized tetrahedra."""
 
     tets: TetMesh
     cases: tuple[LoadCase, ...]
@@ -331,10 +319,7 @@ class StaticTest:
     def run(self, tets: TetMesh, material: Material, across: ArrayLike = (0.0, 0.0, 0.0)) -> dict[str, Response]:
         """The response of a morph of the part to every case, by the case's name; one factorisation per set of supports.
 
-        Args:
-            tets: A morph of the part.
-            material: Its material.
-            across: Of its printed layers, as for `elasticity.equivalent_stress`.
+        `across` is that of its printed layers, as for `elasticity.equivalent_stress`.
 
         Raises:
             BadInput: If a place selects nothing, a case does not hold the part, or its loads cancel out at every node.

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Protocol
 
 import numpy as np
@@ -24,13 +23,7 @@ from mechstyle.records.mesh import Field, SurfaceMesh
 
 @dataclass(frozen=True)
 class Stylized:
-    """The stylizer proposed and the mask let part of it through.
-
-    Attributes:
-        iteration: 1 to the recipe's iterations.
-        style_loss: Loss of the surface as it now is.
-        moved: Largest movement of a vertex in this iteration [mm].
-    """
+    """The stylizer proposed and the mask let part of it through; `moved` is the largest movement of a vertex [mm]."""
 
     iteration: int
     style_loss: float
@@ -47,15 +40,7 @@ class SimulationStarted:
 
 @dataclass(frozen=True)
 class Simulated:
-    """A drop test ended.
-
-    Attributes:
-        iteration: Iteration simulated.
-        reason: Why.
-        simulation: What was measured.
-        verdict: What it means.
-        restrained: Share of the vertices that count as restrained.
-    """
+    """A drop test ended; `restrained` is the share of the vertices that now count as restrained."""
 
     iteration: int
     reason: str
@@ -68,9 +53,7 @@ class Simulated:
 class Corrected:
     """The finished relief was lowered, because it failed, or raised, because it passed; a simulation of the result follows.
 
-    Attributes:
-        step: What was changed, in words.
-        kept: Share of what the style asks for that is left.
+    `step` says what was changed, `kept` is the share of what the style asks for that is left.
     """
 
     step: str
@@ -87,12 +70,7 @@ class Checkpointed:
 
 @dataclass(frozen=True)
 class Finished:
-    """The run is complete; the last checkpoint is the surface that was simulated last.
-
-    Attributes:
-        verdict: Verdict on it.
-        digest: Digest of the last checkpoint.
-    """
+    """The run is complete; the last checkpoint is the surface that was simulated last, with this verdict."""
 
     verdict: Verdict
     digest: str
@@ -159,11 +137,6 @@ Untangle = Callable[[Field], Field]
 """What is left of a relief [mm], shape [vertex_count], where the surface would pass through itself."""
 
 
-def as_it_is(relief: Field) -> Field:
-    """The relief of a surface that is never looked at for passing through itself."""
-    return relief
-
-
 @dataclass(frozen=True)
 class Engine:
     """One lane of one store, carried on to the end of its recipe; finished reliefs are untangled before they are simulated."""
@@ -175,7 +148,7 @@ class Engine:
     simulator: Simulator
     store: Store
     lane: str = "main"
-    untangled: Untangle = as_it_is
+    untangled: Untangle = lambda relief: relief
 
     def run(self) -> Iterator[Event]:
         """Carry the lane on to its end, yielding what happens; stopping between two events loses nothing that was yielded."""
@@ -188,13 +161,17 @@ class Engine:
         if state.recipe != self.recipe.digest:  # its stress stays, its restraint is worked out anew
             demand = self._demand(self.store.objects.get_record(state.simulation, Simulation))
             state = replace(state, demand=demand, mask=self._mask(demand))
+        walls = self.surface.dilated(self.bounds.thickness)  # a wall that is thin at one vertex alone is a corner
         while state.iteration < self.recipe.schedule.iterations:
             proposal, before = self.stylizer.step(), state.displacement
             wanted = self.bounds.levelled(proposal.displacement)
             state = self._moved(state, proposal, wanted - proposed, parent=digest)
             proposed = wanted
             yield Stylized(state.iteration, state.style_loss, float(np.abs(state.displacement - before).max()))
-            reason = self._reason(state)
+            travelled, reason = state.displacement - state.anchor, "last iteration"
+            if state.iteration < self.recipe.schedule.iterations:
+                progress = schedule.Progress(state.iteration, state.simulated_at, travelled, walls, state.demand)
+                reason = schedule.due(self.recipe, progress)
             if reason:
                 yield SimulationStarted(state.iteration, reason)
                 state, simulated = self._simulated(state, reason)
@@ -202,8 +179,6 @@ class Engine:
             digest, event = self._save(state)
             yield event
         yield from self._finish(state, digest)
-
-    # where the lane stands
 
     def _stand(self) -> tuple[str, Checkpoint]:
         """The checkpoint to go on from; corrections are replayed from the last iteration (their simulations are remembered)."""
@@ -225,23 +200,11 @@ class Engine:
         base = self.simulator.baseline
         demand, verdict = self._demand(base), self.simulator.judge(base, alone=True)
         return Checkpoint(
-            iteration=0,
-            parent="",
-            recipe=self.recipe.digest,
-            displacement=nothing,
-            colour=start.colour.astype(np.float16),
-            mask=self._mask(demand),
-            share=np.ones(count, np.float32),
-            anchor=nothing,
-            stress=shown(base, verdict),
-            demand=demand,
-            simulated_at=0,
-            simulation=self.store.objects.put_record(base),
-            style_loss=self.stylizer.loss(nothing, start.colour),
-            reason="original part",
-            verdict=verdict,
-            keyframe=self.stylizer.state(),
-        )
+            iteration=0, parent="", recipe=self.recipe.digest, displacement=nothing, colour=start.colour.astype(np.float16),
+            mask=self._mask(demand), share=np.ones(count, np.float32), anchor=nothing, stress=shown(base, verdict), demand=demand,
+            simulated_at=0, simulation=self.store.objects.put_record(base), style_loss=self.stylizer.loss(nothing, start.colour),
+            reason="original part", verdict=verdict, keyframe=self.stylizer.state(),
+        )  # fmt: skip
 
     def _wind_stylizer(self, state: Checkpoint) -> Proposal:
         """Bring the stylizer to where it was after `state`: from the nearest keyframe, or afresh where another style ended."""
@@ -259,8 +222,6 @@ class Engine:
             self.stylizer.step()
         return self.stylizer.proposal()
 
-    # one iteration
-
     def _moved(self, state: Checkpoint, proposal: Proposal, increment: Field, parent: str) -> Checkpoint:
         """D += mask · share · clip(increment), within the bounds; colours are never masked, only kept where the user wants it."""
         limit = np.float32(STEP_LIMIT * self.surface.size)
@@ -268,30 +229,10 @@ class Engine:
         colour = np.where(self.bounds.uncoloured, state.colour, proposal.colour).astype(np.float32)
         iteration = state.iteration + 1
         return replace(
-            state,
-            iteration=iteration,
-            parent=parent,
-            recipe=self.recipe.digest,
-            displacement=displacement,
-            colour=colour.astype(np.float16),
-            style_loss=self.stylizer.loss(displacement, colour),
-            reason="",
-            verdict=None,
-            final=False,
+            state, iteration=iteration, parent=parent, recipe=self.recipe.digest, displacement=displacement,
+            colour=colour.astype(np.float16), style_loss=self.stylizer.loss(displacement, colour), reason="", verdict=None, final=False,
             keyframe=self.stylizer.state() if iteration % KEYFRAME_EVERY == 0 else None,
-        )
-
-    @cached_property
-    def _walls(self) -> Field:
-        """Wall thickness on which the schedule decides [mm], shape [vertex_count]: a wall thin at one vertex alone is a corner."""
-        return self.surface.dilated(self.bounds.thickness)
-
-    def _reason(self, state: Checkpoint) -> str:
-        if state.iteration == self.recipe.schedule.iterations:
-            return "last iteration"
-        travelled = state.displacement - state.anchor
-        progress = schedule.Progress(state.iteration, state.simulated_at, travelled, self._walls, state.demand)
-        return schedule.due(self.recipe, progress)
+        )  # fmt: skip
 
     def _simulated(self, state: Checkpoint, reason: str) -> tuple[Checkpoint, Simulated]:
         """Simulate; the new demand restrains what comes next, and what the tetrahedra could not follow is taken out of D."""
@@ -304,11 +245,9 @@ class Engine:
             demand = self._demand(simulation)
             state = replace(state, stress=shown(simulation, verdict), demand=demand, mask=self._mask(demand))
         state = replace(
-            state,
-            anchor=state.displacement,
-            simulation=self.store.objects.put_record(simulation),
+            state, anchor=state.displacement, simulation=self.store.objects.put_record(simulation),
             style_loss=self.stylizer.loss(state.displacement, state.colour.astype(np.float32)),
-        )
+        )  # fmt: skip
         return state, Simulated(state.iteration, reason, simulation, verdict, float(state.restrained.mean()))
 
     def _demand(self, simulation: Simulation) -> Field:
@@ -319,8 +258,6 @@ class Engine:
     def _mask(self, demand: Field) -> Field:
         """The control's mask, within the freedom that protection leaves."""
         return control.mask(demand, self.recipe.restraint.control, self.recipe.restraint.threshold) * self.bounds.freedom
-
-    # the end
 
     def _finish(self, state: Checkpoint, digest: str) -> Iterator[Event]:
         """Correct the finished relief until it passes for sure (if the recipe asks for it), then mark the best as final."""
@@ -399,10 +336,7 @@ def shown(simulation: Simulation, verdict: Verdict) -> Field:
 def retained_share(displacement: Field, reference: Field, areas: NDArray[np.float64]) -> float:
     """Share of a reference relief that is left, ⟨T, D⟩ / ⟨T, T⟩ weighted by area; 1 where the reference is flat.
 
-    Args:
-        displacement: D [mm], shape [vertex_count].
-        reference: T [mm], shape [vertex_count].
-        areas: Vertex areas that can be seen [mm²], shape [vertex_count].
+    All are of shape [vertex_count]: D and T in mm, the areas that can be seen in mm².
     """
     total = float((areas * reference.astype(np.float64) ** 2).sum())
     return float((areas * reference * displacement).sum()) / total if total > 0 else 1.0

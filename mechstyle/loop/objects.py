@@ -38,11 +38,9 @@ relief by that, by their own, last made for a recipe by that, and those a relief
 
 
 def to_json(record: object, enc_hook: Callable[[Any], Any] | None = None) -> bytes:
-    """A record as JSON. NaN and the infinities, for which JSON has no number, become words that `from_json` reads back.
+    """A Struct, a dataclass or plain values as JSON; `enc_hook` turns others into these.
 
-    Args:
-        record: A msgspec Struct, a dataclass or plain values.
-        enc_hook: Turns what is none of these into something that is.
+    NaN and the infinities, for which JSON has no number, become words that `from_json` reads back.
     """
     return msgspec.json.encode(_spelled(msgspec.to_builtins(record, enc_hook=enc_hook, order="deterministic")))
 
@@ -107,16 +105,6 @@ def _spelled(value: Any) -> Any:
     return str(value) if isinstance(value, float) and not math.isfinite(value) else value
 
 
-def _unpacked(path: Path) -> bytes:
-    """The content of a compressed file; zlib.error if it is no such file, goes on behind its end, or is larger than any object is."""
-    stream = zlib.decompressobj()
-    with path.open("rb") as file:
-        content = stream.decompress(file.read(MOST_BYTES), MOST_BYTES)
-    if not stream.eof:
-        raise zlib.error("cut off, or too large")
-    return content
-
-
 def _array(content: bytes) -> NDArray[Any]:
     """The array of `.npy` bytes; ValueError if they claim more, or less, than they hold."""
     buffer = io.BytesIO(content)
@@ -153,11 +141,15 @@ class Objects:
         """The bytes of an object, verified; DamagedStore if it is missing or does not match its name."""
         if not re.fullmatch("[0-9a-f]{64}", digest):  # or it could be a path
             raise DamagedStore(f"{self.root.parent} names an object {digest[:80]!r}, which is no SHA-256: start the run again")
+        stream, lost = zlib.decompressobj(), f"{self.path(digest)} is missing or unreadable: restore it from a copy, or start the run again"
         try:
             _check_is_a_file(self.path(digest))
-            content = _unpacked(self.path(digest))
+            with self.path(digest).open("rb") as file:
+                content = stream.decompress(file.read(MOST_BYTES), MOST_BYTES)
         except (OSError, zlib.error) as error:
-            raise DamagedStore(f"{self.path(digest)} is missing or unreadable: restore it from a copy, or start the run again") from error
+            raise DamagedStore(lost) from error
+        if not stream.eof:  # cut off, or larger than any object is
+            raise DamagedStore(lost)
         if hashlib.sha256(content).hexdigest() != digest:
             raise DamagedStore(
                 f"{self.path(digest)} does not have the content its name promises: restore it from a copy, or start the run again"

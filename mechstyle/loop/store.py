@@ -94,8 +94,8 @@ class Store:
 
     def lanes(self) -> tuple[str, ...]:
         """Names of the lanes, `main` first, then in order of name."""
-        names = sorted(path.stem for path in self._lane_files() if _is_plain(path))
-        return tuple(sorted(names, key=lambda name: name != "main"))
+        names = (path.stem for path in self._lane_files() if path.is_file() and not path.is_symlink())
+        return tuple(sorted(names, key=lambda name: (name != "main", name)))
 
     def _lane_files(self) -> list[Path]:
         return [path for path in (self.root / "lanes").glob("*.json") if _may_be_a_lane(path.stem)]
@@ -212,13 +212,9 @@ def _absolute(path: Path) -> Path:
         return path
 
 
-def _is_plain(path: Path) -> bool:
-    """Whether a file is there itself: in a folder from somebody else a link could lead to any file of the user's."""
-    return path.is_file() and not path.is_symlink()
-
-
 def _check_plain(path: Path) -> None:
-    if not _is_plain(path):
+    """Refuse what is not a file itself: in a folder from somebody else a link could lead to any file of the user's."""
+    if not path.is_file() or path.is_symlink():
         raise BadInput(f"{path} is not a file, as a lane is: remove it if you do not know what it is for, or restore the file from a copy")
 
 

@@ -104,21 +104,13 @@ class Style(Chapter, frozen=True, kw_only=True):
     """
 
     CHOICES: ClassVar[Choices] = {
-        "guidance": GUIDANCES,
-        "field": FIELDS,
-        "side": SIDES,
-        "image_as": MOTIFS,
-        "image_layout": LAYOUTS,
-        "projection": PROJECTIONS,
-    }
+        "guidance": GUIDANCES, "field": FIELDS, "side": SIDES,
+        "image_as": MOTIFS, "image_layout": LAYOUTS, "projection": PROJECTIONS,
+    }  # fmt: skip
     LIMITS: ClassVar[Limits] = {
-        "crops": (1, 16),
-        "seed": (0, 2**32 - 1),
-        "relief": (0.0, 20.0),
-        "amplitude": (0.0, 2.0),
-        "feature": (0.2, 500.0),
+        "crops": (1, 16), "seed": (0, 2**32 - 1), "relief": (0.0, 20.0), "amplitude": (0.0, 2.0), "feature": (0.2, 500.0),
         "image_size": (0.5, 2000.0),
-    }
+    }  # fmt: skip
     RARE: ClassVar = frozenset({"crops"})
 
     prompt: str
@@ -160,15 +152,8 @@ class Restraint(Chapter, frozen=True, kw_only=True):
         until_sure: Whether it is corrected as well where the part passes, but by less than the test repeats.
     """
 
-    CHOICES: ClassVar[Choices] = {
-        "control": CONTROLS,
-        "normalisation": NORMALISATIONS,
-        "base": BASES,
-        "inside": INSIDES,
-    }
-    LIMITS: ClassVar[Limits] = {
-        "threshold": (0.01, 100.0),
-    }
+    CHOICES: ClassVar[Choices] = {"control": CONTROLS, "normalisation": NORMALISATIONS, "base": BASES, "inside": INSIDES}
+    LIMITS: ClassVar[Limits] = {"threshold": (0.01, 100.0)}
     RARE: ClassVar = frozenset({"guarantee", "until_sure"})
 
     control: str = "exponential"
@@ -197,14 +182,8 @@ class Schedule(Chapter, frozen=True, kw_only=True):
         travel: Displacement since the last simulation over local thickness that triggers `geometry` and `stress`.
     """
 
-    CHOICES: ClassVar[Choices] = {
-        "schedule": SCHEDULES,
-    }
-    LIMITS: ClassVar[Limits] = {
-        "iterations": (1, 100_000),
-        "every": (1, 100_000),
-        "travel": (1e-3, 10.0),
-    }
+    CHOICES: ClassVar[Choices] = {"schedule": SCHEDULES}
+    LIMITS: ClassVar[Limits] = {"iterations": (1, 100_000), "every": (1, 100_000), "travel": (1e-3, 10.0)}
     RARE: ClassVar = frozenset({"travel"})
 
     iterations: int = 200
@@ -240,19 +219,11 @@ class StrengthTest(Chapter, frozen=True, kw_only=True):
     """
 
     CHOICES: ClassVar[Choices] = {
-        "criterion": CRITERIA,
-        "poses": POSES,
-        "standard": ("", *STANDARDS),
-        "element": ELEMENTS,
-        "transfer": get_args(Transfer),
-    }
+        "criterion": CRITERIA, "poses": POSES, "standard": ("", *STANDARDS), "element": ELEMENTS, "transfer": get_args(Transfer),
+    }  # fmt: skip
     LIMITS: ClassVar[Limits] = {
-        "height": (1.0, 1e5),
-        "orientations": (1, 512),
-        "friction": (0.0, 2.0),
-        "window": (0.05, 50.0),
-        "damping": (0.0, 1.0),
-    }
+        "height": (1.0, 1e5), "orientations": (1, 512), "friction": (0.0, 2.0), "window": (0.05, 50.0), "damping": (0.0, 1.0),
+    }  # fmt: skip
     RARE: ClassVar = frozenset({"hardest_only", "friction", "element", "damping", "transfer"})
 
     specimen: Specimen = Specimen()
@@ -321,11 +292,7 @@ class Delivery(Chapter, frozen=True, kw_only=True):
             leaves it as it is.
     """
 
-    LIMITS: ClassVar[Limits] = {
-        "nozzle": (0.0, 5.0),
-        "minimum_wall": (0.0, 100.0),
-        "strengthen": (0.0, 20.0),
-    }
+    LIMITS: ClassVar[Limits] = {"nozzle": (0.0, 5.0), "minimum_wall": (0.0, 100.0), "strengthen": (0.0, 20.0)}
 
     nozzle: float = 0.4
     minimum_wall: float = 0.8
@@ -359,12 +326,7 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
 
     @classmethod
     def of(cls, *, surface: str = "", tetrahedra: str = "", **settings: Any) -> Recipe:
-        """A recipe of flat settings: prompt and material, and what differs from the defaults.
-
-        Args:
-            surface: Digest of the surface, "" for any part.
-            tetrahedra: Digest of the tetrahedra, "" for any.
-            settings: By name.
+        """A recipe of flat settings: prompt and material, and what differs from the defaults; meshes as in `Specimen`.
 
         Raises:
             BadInput: If a name is unknown or a value out of range.
@@ -398,11 +360,16 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     def differences(self, other: Recipe, *, by_figure: bool = False) -> tuple[tuple[str, Any, Any], ...]:
         """The settings that another recipe does not share: name, value here, value there.
 
-        Args:
-            other: The recipe to compare with.
-            by_figure: Whether to compare materials figure by figure, for people to read, instead of as a whole.
+        `by_figure` compares name and figures of the materials, for people to read, instead of the materials as a whole.
         """
-        here, there = (_by_figure(recipe.settings) if by_figure else recipe.settings for recipe in (self, other))
+
+        def flat(recipe: Recipe) -> dict[str, Any]:
+            found: dict[str, Any] = {}
+            for name, value in recipe.settings.items():
+                found |= msgspec.structs.asdict(value) if by_figure and name == "material" else {name: value}
+            return {name: value for name, value in found.items() if name not in ("source", "layer_source")}
+
+        here, there = flat(self), flat(other)
         return tuple((name, value, there[name]) for name, value in here.items() if value != there[name])
 
 
@@ -426,9 +393,7 @@ CHAPTER_OF: Mapping[str, str] = {name: chapter for name, (chapter, _) in _FIELDS
 TYPES: Mapping[str, Any] = {name: field.type for name, (_, field) in _FIELDS.items()}
 """Type of a setting, by setting."""
 
-DEFAULTS: Mapping[str, Any] = {
-    name: field.default for name, (_, field) in _FIELDS.items() if field.default is not msgspec.NODEFAULT
-}
+DEFAULTS: Mapping[str, Any] = {name: one.default for name, (_, one) in _FIELDS.items() if one.default is not msgspec.NODEFAULT}
 """What a setting is by default, by setting; those that every recipe must be given are not in it."""
 
 CHOICES: Choices = {name: known for kind in CHAPTERS.values() for name, known in kind.CHOICES.items()}
@@ -488,12 +453,3 @@ def described(name: str) -> str:
         return ""
     sentence = " ".join(found[1].split()).partition(". ")[0].removesuffix(".") + "."
     return re.sub(r"\bone of [A-Z]+\b", f"one of {', '.join(filter(None, CHOICES.get(name, ())))}", sentence)
-
-
-def _by_figure(settings: dict[str, Any]) -> dict[str, Any]:
-    """Settings with name and figures of the material in its place, without their sources."""
-    figures: dict[str, Any] = {}
-    for name, value in settings.items():
-        figures |= msgspec.structs.asdict(value) if isinstance(value, Material) else {name: value}
-    del figures["source"], figures["layer_source"]
-    return figures

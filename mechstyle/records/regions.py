@@ -56,21 +56,16 @@ class ProtectedRegion(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
     @property
     def words(self) -> str:
         """Its notation, as after `--protect`."""
-        numbers = [f"{number:g}" for number in self._numbers]
+        kind, own = self._notation()
         ramp, colour = [f"ramp {self.ramp:g}"] if self.ramp else [], ["colour"] if self.colour else []
-        return " ".join([self._kind, *numbers, *ramp, *colour])
+        return " ".join([kind, *(f"{number:g}" for number in own), *ramp, *colour])
 
-    @property
-    def _kind(self) -> str:
-        """The first word of its notation."""
-        return str(self.__struct_config__.tag)
-
-    @property
-    def _numbers(self) -> list[float]:
-        """The numbers of its notation; a length of 0 is left to the part, and not written."""
+    def _notation(self) -> tuple[str, list[float]]:
+        """The first word of its notation, and its numbers; a length of 0 is left to the part, and not written."""
         values = [getattr(self, name) for name in self.__struct_fields__ if name not in ProtectedRegion.__struct_fields__]
         own = [value for value in values if value and not isinstance(value, str)]
-        return [number for value in own for number in (value if isinstance(value, tuple) else (value,))]
+        numbers = [number for value in own for number in (value if isinstance(value, tuple) else (value,))]
+        return str(self.__struct_config__.tag), numbers
 
 
 class Vertices(ProtectedRegion, frozen=True, tag="vertices"):
@@ -138,18 +133,10 @@ class HalfSpace(ProtectedRegion, frozen=True, tag="plane"):
         """Whether points [mm], shape [..., 3], lie in it."""
         return in_half_space(points, self.point, self.normal)
 
-    @property
-    def _kind(self) -> str:
-        return "plane" if not self._level else "above" if self.normal[2] > 0.0 else "below"
-
-    @property
-    def _numbers(self) -> list[float]:
-        return [self.point[2]] if self._level else super()._numbers
-
-    @property
-    def _level(self) -> bool:
-        """Whether its height says it all."""
-        return self.point[:2] == (0.0, 0.0) and self.normal in {(0.0, 0.0, 1.0), (0.0, 0.0, -1.0)}
+    def _notation(self) -> tuple[str, list[float]]:
+        if self.point[:2] == (0.0, 0.0) and self.normal in {(0.0, 0.0, 1.0), (0.0, 0.0, -1.0)}:  # its height says it all
+            return "above" if self.normal[2] > 0.0 else "below", [self.point[2]]
+        return super()._notation()
 
 
 class Inside(ProtectedRegion, frozen=True, tag="inside"):
@@ -219,9 +206,8 @@ class End(ProtectedRegion, frozen=True, tag="end"):
         depth = self.depth or 0.5 * float(np.ptp(along))
         return np.asarray(along >= along.max() - depth)
 
-    @property
-    def _kind(self) -> str:
-        return self.end
+    def _notation(self) -> tuple[str, list[float]]:
+        return self.end, super()._notation()[1]
 
 
 class Segment(ProtectedRegion, frozen=True, tag="segment"):
