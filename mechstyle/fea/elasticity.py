@@ -28,12 +28,7 @@ BATCH = 4096
 
 @dataclass(frozen=True)
 class ElasticLaw:
-    """Constants of an elastic law [MPa]; `backends.laws` has its energy and its stress P = ∂Ψ/∂H.
-
-    Attributes:
-        mu: The first constant.
-        la: The second.
-    """
+    """Constants μ and λ of an elastic law [MPa]; `backends.laws` has its energy and its stress P = ∂Ψ/∂H."""
 
     mu: float
     la: float
@@ -86,12 +81,7 @@ def equivalent_stress(stress: Floats, across: ArrayLike = (0.0, 0.0, 0.0)) -> Fl
     Layers with normal n have the share r of the strength: with t = σn the demand is the largest of σ_vM / σ_y, max(0, n·t) / (r σ_y) and
     |t − (n·t) n| / (r σ_y / √3). Pressure on layers does no harm.
 
-    Args:
-        stress: Cauchy stress [MPa], shape [..., 3, 3].
-        across: n / r, shape [3]; zero for a material without layers.
-
-    Returns:
-        Equivalent stress [MPa], shape [...].
+    Of Cauchy stress [MPa], shape [..., 3, 3], and `across` = n / r, shape [3], zero for a material without layers; shape [...].
     """
     of_solid, weak = von_mises(stress), np.asarray(across, dtype=np.float64)
     steep = float(weak @ weak)

@@ -169,18 +169,15 @@ def stable_poses(points: ArrayLike, centre: ArrayLike) -> tuple[Floats, Floats]:
     end = np.where(stable, facets, hull.neighbors[facets, inside.argmin(axis=1)])
     for _ in range(len(facets).bit_length()):  # twice as many tips each time
         end = end[end]
-    chances = np.bincount(end, weights=_solid_angles(corners), minlength=len(facets))
-    ends = np.flatnonzero(chances)
-    return -outward[ends], chances[ends] / chances.sum()
-
-
-def _solid_angles(corners: Floats) -> Floats:
-    """Solid angles of triangles seen from the origin (Van Oosterom and Strackee 1983), shape [n]."""
     a, b, c = np.moveaxis(corners, 1, 0)
     la, lb, lc = np.linalg.norm(corners, axis=2).T
     volume = np.abs(np.einsum("ij,ij->i", a, np.cross(b, c)))
     ab, bc, ca = (np.einsum("ij,ij->i", one, other) for one, other in ((a, b), (b, c), (c, a)))
-    return 2.0 * np.arctan2(volume, la * lb * lc + ab * lc + bc * la + ca * lb)
+    # solid angles of triangles seen from the origin (Van Oosterom and Strackee 1983)
+    angles = 2.0 * np.arctan2(volume, la * lb * lc + ab * lc + bc * la + ca * lb)
+    chances = np.bincount(end, weights=angles, minlength=len(facets))
+    ends = np.flatnonzero(chances)
+    return -outward[ends], chances[ends] / chances.sum()
 
 
 def merged(normals: Floats, chances: Floats, angle: float) -> tuple[Floats, Floats]:

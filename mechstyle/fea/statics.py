@@ -22,7 +22,7 @@ from mechstyle.fea.drop import GRAVITY
 from mechstyle.fea.elasticity import corner_gradients, displacement_gradients, equivalent_stress, stiffness_matrix, trace
 from mechstyle.fea.elements import ElementMesh, element_named, with_nodes
 from mechstyle.fea.linear_solvers import linear_fields, solver
-from mechstyle.records.load_cases import RESTING_FACE, Load, LoadCase, Patch, Place, Support
+from mechstyle.records.load_cases import RESTING_FACE, LoadCase, Patch, Place, Support
 from mechstyle.records.material import Material
 from mechstyle.records.mesh import Bools, Floats, Indices, SurfaceMesh, TetMesh, in_ball, on_floor
 
@@ -328,8 +328,21 @@ class StaticTest:
         boundary = Boundary(with_nodes(tets, element_named(self.element)))
         loads: dict[str, Floats] = {}
         for case in self.cases:
-            each = (self._nodal_load(load, boundary, material) for load in case.loads)
-            loads[case.name] = sum(each, np.zeros_like(boundary.mesh.nodes))
+            total = np.zeros_like(boundary.mesh.nodes)
+            for load in case.loads:
+                if load.gravity is not None:
+                    down = np.array(load.direction) / np.linalg.norm(load.direction)
+                    total = total + weight(boundary.mesh, material.density, load.gravity * GRAVITY * down)
+                    continue
+                assert load.at is not None, "a load case refuses a force or pressure without a place"
+                picked = self._picked[load.at]
+                if load.force is not None:
+                    traction = np.outer(boundary.areas / picked.area(boundary), load.force)
+                else:
+                    assert load.pressure is not None, "a load is a force, a pressure or gravity"
+                    traction = -load.pressure * boundary.area_vectors
+                total = total + boundary.forces(picked.inside, traction)
+            loads[case.name] = total
             if not loads[case.name].any():
                 raise BadInput(f"load case {case.name!r}: its loads cancel out everywhere; leave it out or change a load")
         responses: dict[str, Response] = {}
@@ -364,18 +377,6 @@ class StaticTest:
                 with _naming(case):
                     restraints[case.supports] = Restraint.of(self._undeformed, held)
         return restraints
-
-    def _nodal_load(self, load: Load, boundary: Boundary, material: Material) -> Floats:
-        """Consistent nodal forces of one load [N], shape [node_count, 3]."""
-        if load.gravity is not None:
-            down = np.array(load.direction) / np.linalg.norm(load.direction)
-            return weight(boundary.mesh, material.density, load.gravity * GRAVITY * down)
-        assert load.at is not None, "a load case refuses a force or pressure without a place"
-        picked = self._picked[load.at]
-        if load.force is not None:
-            return boundary.forces(picked.inside, np.outer(boundary.areas / picked.area(boundary), load.force))
-        assert load.pressure is not None, "a load is a force, a pressure or gravity"
-        return boundary.forces(picked.inside, -load.pressure * boundary.area_vectors)
 
 
 @contextmanager

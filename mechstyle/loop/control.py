@@ -7,7 +7,7 @@ Faruqi et al. 2025, §4.2, with the limits corrected: 1 where demand is 0, exact
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
@@ -117,12 +117,10 @@ def frozen(s_norm: Field) -> Field:
     return (s_norm < 1.0).astype(np.float32)
 
 
-def unrestrained(s_norm: Field) -> Field:
-    """1 everywhere: Freestyle."""
-    return np.ones_like(s_norm, dtype=np.float32)
-
-
-MASKS = {"linear": linear, "exponential": exponential, "frozen": frozen, "none": unrestrained}
+MASKS: Mapping[str, Callable[[Field], Field]] = {
+    "linear": linear, "exponential": exponential, "frozen": frozen, "none": lambda s_norm: np.ones_like(s_norm, dtype=np.float32),
+}  # fmt: skip
+"""By control; `none`, of Freestyle, is 1 everywhere."""
 
 
 def mask(s_norm: Field, control: str, threshold: float = 1.0) -> Field:

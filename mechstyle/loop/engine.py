@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
@@ -161,17 +162,13 @@ class Engine:
         if state.recipe != self.recipe.digest:  # its stress stays, its restraint is worked out anew
             demand = self._demand(self.store.objects.get_record(state.simulation, Simulation))
             state = replace(state, demand=demand, mask=self._mask(demand))
-        walls = self.surface.dilated(self.bounds.thickness)  # a wall that is thin at one vertex alone is a corner
         while state.iteration < self.recipe.schedule.iterations:
             proposal, before = self.stylizer.step(), state.displacement
             wanted = self.bounds.levelled(proposal.displacement)
             state = self._moved(state, proposal, wanted - proposed, parent=digest)
             proposed = wanted
             yield Stylized(state.iteration, state.style_loss, float(np.abs(state.displacement - before).max()))
-            travelled, reason = state.displacement - state.anchor, "last iteration"
-            if state.iteration < self.recipe.schedule.iterations:
-                progress = schedule.Progress(state.iteration, state.simulated_at, travelled, walls, state.demand)
-                reason = schedule.due(self.recipe, progress)
+            reason = self._reason(state)
             if reason:
                 yield SimulationStarted(state.iteration, reason)
                 state, simulated = self._simulated(state, reason)
@@ -233,6 +230,18 @@ class Engine:
             colour=colour.astype(np.float16), style_loss=self.stylizer.loss(displacement, colour), reason="", verdict=None, final=False,
             keyframe=self.stylizer.state() if iteration % KEYFRAME_EVERY == 0 else None,
         )  # fmt: skip
+
+    @cached_property
+    def _walls(self) -> Field:
+        """Wall thickness on which the schedule decides [mm], shape [vertex_count]: a wall thin at one vertex alone is a corner."""
+        return self.surface.dilated(self.bounds.thickness)
+
+    def _reason(self, state: Checkpoint) -> str:
+        if state.iteration == self.recipe.schedule.iterations:
+            return "last iteration"
+        travelled = state.displacement - state.anchor
+        progress = schedule.Progress(state.iteration, state.simulated_at, travelled, self._walls, state.demand)
+        return schedule.due(self.recipe, progress)
 
     def _simulated(self, state: Checkpoint, reason: str) -> tuple[Checkpoint, Simulated]:
         """Simulate; the new demand restrains what comes next, and what the tetrahedra could not follow is taken out of D."""
@@ -319,7 +328,7 @@ class Engine:
 
     def _save(self, state: Checkpoint) -> tuple[str, Checkpointed]:
         """Store the checkpoint, then move the lane to it."""
-        digest = self.store.put_checkpoint(state)
+        digest = self.store.objects.put_record(state)
         lane = self.store.lane(self.lane)
         self.store.move(self.lane, Lane(recipe=lane.recipe, head=digest, forked_from=lane.forked_from))
         return digest, Checkpointed(digest, state)

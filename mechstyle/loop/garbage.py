@@ -21,14 +21,9 @@ NO_OBJECT = frozenset({"mesh", "name", "notes", "origin", "prompt", "surface", "
 
 
 class Garbage(msgspec.Struct, frozen=True, kw_only=True):
-    """Files that can go.
+    """Files that can go: objects that nothing leads to, remembered results that belong to no checkpoint of a lane, and scraps.
 
-    Attributes:
-        objects: Objects that nothing leads to.
-        memo: Remembered results that belong to no checkpoint of a lane.
-        scraps: Files that were being written when their process was killed.
-        size: Bytes of all of them.
-        kept: Bytes of what stays.
+    Scraps were being written when their process was killed. `size` are the bytes of all of them, `kept` those of what stays.
     """
 
     objects: tuple[Path, ...]
@@ -100,8 +95,7 @@ def _is_kept(store: Store, path: Path, reached: set[str]) -> bool:
 def _reached(store: Store, start: Iterable[str], known: Iterable[str] = (), *, needed: bool = False) -> set[str]:
     """Every object that can be reached from some.
 
-    Raises:
-        DamagedStore: If one cannot be read; if one that is `needed` is missing. What is only remembered may be, as it can be made anew.
+    DamagedStore if one cannot be read; if one that is `needed` is missing. What is only remembered may be, as it can be made anew.
     """
     start = list(start)
     seen, ahead, missed, wanted = set(known), list(start), set(), set(start)

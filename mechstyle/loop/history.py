@@ -190,15 +190,9 @@ def simulations(history: Iterable[Entry]) -> tuple[SimulationLine, ...]:
 
 
 class LaneSummary(msgspec.Struct, frozen=True, kw_only=True):
-    """One lane of a run directory, finished or not.
+    """One lane of a run directory: its recipe in force, the iteration it stands at, and whether that is its end.
 
-    Attributes:
-        lane: Its name.
-        recipe: The recipe in force.
-        iteration: Iteration it stands at.
-        finished: Whether that is its end.
-        forked_at: Iteration it was branched at, None for an original line.
-        simulations: Every simulation, its inherited past included.
+    Simulations include those of its inherited past; `forked_at` is None for an original line.
     """
 
     lane: str

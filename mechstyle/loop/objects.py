@@ -15,6 +15,7 @@ import threading
 import tokenize
 import zlib
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -117,12 +118,11 @@ def _array(content: bytes) -> NDArray[Any]:
     return array
 
 
+@dataclass(eq=False)
 class Objects:
-    """A folder of immutable objects named by the SHA-256 of their uncompressed content."""
+    """A folder, which need not exist yet, of immutable objects named by the SHA-256 of their uncompressed content."""
 
-    def __init__(self, root: Path) -> None:
-        """Use `root`, which need not exist yet."""
-        self.root = root
+    root: Path
 
     def path(self, digest: str) -> Path:
         """Path of an object, whether it exists or not."""
@@ -196,13 +196,12 @@ class Objects:
             return kind(self.get_array(table["vertices"]), self.get_array(table["cells"]))
 
 
+@dataclass(eq=False)
 class Memo:
-    """Results of deterministic computations by the digest of their inputs, kept beside their objects."""
+    """Results of deterministic computations by the digest of their inputs: the index in a folder, the results among objects."""
 
-    def __init__(self, folder: Path, objects: Objects) -> None:
-        """Keep the index in `folder`, results in `objects`."""
-        self.folder = folder
-        self.objects = objects
+    folder: Path
+    objects: Objects
 
     def named(self, beginning: str = "") -> list[str]:
         """Names of what is remembered that begin so, in order."""

@@ -123,8 +123,7 @@ class Store:
     def fork(self, lane: Lane, wanted: str = "") -> str:
         """Name of a lane with this recipe and fork: of the one that is there, under the wanted name if there is one, or of a new one.
 
-        Raises:
-            BadInput: If the name wanted is that of another lane.
+        BadInput if the name wanted is that of another lane.
         """
         with exclusive(self.root / "locks" / ".branches.lock", "a new branch", wait=True):  # or two could take one name
             known = {name: self.lane(name) for name in self.lanes()}
@@ -153,10 +152,6 @@ class Store:
             if isinstance(error.__cause__, msgspec.ValidationError):
                 raise BadInput(f"{self.root}: this run was made by another version of MechStyle; run it again in another folder") from error
             raise
-
-    def put_checkpoint(self, checkpoint: Checkpoint) -> str:
-        """Store a checkpoint; return its digest, which is the same for the same state and past."""
-        return self.objects.put_record(checkpoint)
 
     def checkpoint(self, digest: str) -> Checkpoint:
         """A stored checkpoint with its arrays."""

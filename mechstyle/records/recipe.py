@@ -328,8 +328,7 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     def of(cls, *, surface: str = "", tetrahedra: str = "", **settings: Any) -> Recipe:
         """A recipe of flat settings: prompt and material, and what differs from the defaults; meshes as in `Specimen`.
 
-        Raises:
-            BadInput: If a name is unknown or a value out of range.
+        BadInput if a name is unknown or a value out of range.
         """
         given = _by_chapter(settings)
         given["test"]["specimen"] = Specimen(surface=surface, tetrahedra=tetrahedra)
@@ -428,8 +427,7 @@ def _by_chapter(settings: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
 def direction_of(value: object) -> tuple[float, float, float]:
     """A direction given as x, y, z (of either sign and case), as text such as `0,0,1`, or as three numbers.
 
-    Raises:
-        BadInput: If it is none of these.
+    BadInput if it is none of these.
     """
     axes = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
     named = axes.get(value.strip().lower().lstrip("+-")) if isinstance(value, str) else None

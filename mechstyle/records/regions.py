@@ -229,8 +229,7 @@ Region = Vertices | Box | Sphere | HalfSpace | Inside | Outside | Sides | Rim | 
 def region(text: str) -> Region:
     """A region as people write it: "inside", "box 0 0 0 10 10 10 ramp 2 colour"; KINDS lists what there is.
 
-    Raises:
-        BadInput: If it cannot be read, with how to write it.
+    BadInput if it cannot be read, with how to write it.
     """
     kind, *words = text.lower().split() or [""]
     if kind not in KINDS:

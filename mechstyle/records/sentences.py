@@ -66,11 +66,6 @@ def _value(row: Row, value: float) -> str:
     return length(value) if row.height is not None else f"{value:.2f} ×"
 
 
-def _asked(row: Row) -> str:
-    """What is asked of a part in a test."""
-    return written(row.asked) if row.height is not None else "1 ×"
-
-
 def _figures(row: Row, verdict: Verdict) -> str:
     """What plain and styled part survive."""
     survives = _value(row, row.survived)
@@ -193,7 +188,7 @@ def table(verdict: Verdict) -> list[tuple[str, ...]]:
     return [
         (
             _label(row), "–" if row.original is None else _value(row, row.original), _value(row, row.survived),
-            _asked(row), f"{row.reserve - 1.0:+.0%}", _judged(row),
+            written(row.asked) if row.height is not None else "1 ×", f"{row.reserve - 1.0:+.0%}", _judged(row),
         )
         for row in verdict.rows
     ]  # fmt: skip
@@ -229,7 +224,8 @@ def paired(styled: Sequence[Verdict]) -> list[tuple[str, ...]]:
         there = [row for row in rows if row is not None]
         plain = next((_value(row, row.original) for row in there if row.original is not None), "–")
         cells = ("–" if row is None else f"{_value(row, row.survived)} {_judged(row)}" for row in rows)
-        lines.append((_kind(there[0]), plain, *cells, _asked(there[0])))
+        asked = written(there[0].asked) if there[0].height is not None else "1 ×"
+        lines.append((_kind(there[0]), plain, *cells, asked))
     return lines
 
 

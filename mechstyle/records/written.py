@@ -24,8 +24,7 @@ _TWO_WAYS = re.compile(r"[-+]?[1-9]\d{0,2},\d{3}")
 def length_of(value: str | float) -> float:
     """A height of fall [mm]: "1.5 m", "150 cm", "1500 mm", or a number of millimetres.
 
-    Raises:
-        BadInput: If it is no height, or a number without a unit that is too small to be meant in millimetres.
+    BadInput if it is no height, or a number without a unit that is too small to be meant in millimetres.
     """
     number, unit = _read(value)
     if unit not in ("", *UNITS):
@@ -68,8 +67,7 @@ MOST_BYTES = 100_000
 def read_table(file: Path) -> Any:
     """What a TOML file holds, or a JSON file if its suffix says so.
 
-    Raises:
-        ValueError: If it cannot be read, is no such file, or larger than anybody writes one.
+    ValueError if it cannot be read, is no such file, or larger than anybody writes one.
     """
     try:
         if file.stat().st_size > MOST_BYTES:

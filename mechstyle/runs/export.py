@@ -50,27 +50,12 @@ class Exported(msgspec.Struct, frozen=True, kw_only=True):
 
 
 def exported(
-    store: Store,
-    lane: str,
-    part: Workpiece,
-    entry: Entry,
-    path: Path,
-    *,
-    name: str = "",
-    fields: bool = False,
-    printing: Printing = AS_USUAL,
-) -> Exported:
-    """Write the surface of a checkpoint to a file, and what is known of it beside it.
+    store: Store, lane: str, part: Workpiece, entry: Entry, path: Path, *,
+    name: str = "", fields: bool = False, printing: Printing = AS_USUAL,
+) -> Exported:  # fmt: skip
+    """Write the surface of a checkpoint to a file, whose suffix decides the format, and what is known of it to `FILE.json`.
 
-    Args:
-        store: The run.
-        lane: Its lane.
-        part: Its part.
-        entry: The checkpoint.
-        path: The file; its suffix decides the format.
-        name: What the part is called in the file.
-        fields: Whether it is to hold every field that is known of it, such as stress; in GLB and PLY.
-        printing: Filaments and slicer of a 3MF file.
+    `fields` puts every field that is known, such as stress, into GLB and PLY; `name` is what the part is called in the file.
 
     Raises:
         BadInput: If the file cannot be written.
@@ -89,9 +74,10 @@ def exported(
         sheen = sheen_of(recipe) if entry.iteration else DULL
         save(styled, path, name=name, fields={one.quantity.name: one.values.astype(np.float32) for one in known}, sheen=sheen)
     measured = quality(part.surface, styled, recipe.test.material.density)
+    tested = ("", "") if verdict is None else ("" if verdict.passes else verdict.head, verdict.doubt)
     record = Exported(
         file=path.name, lane=lane, iteration=entry.iteration, recipe=entry.recipe, verdict=verdict,
-        quality=measured, warnings=(*([untested] if untested else ()), *_of_the_test(verdict), *measured.warnings),
+        quality=measured, warnings=(*filter(None, (untested, *tested)), *measured.warnings),
         fields={one.quantity.name: _in_words(one) for one in known}, printing=plan,
     )  # fmt: skip
     write_whole(sidecar(path), msgspec.json.format(to_json(record), indent=2))
@@ -126,22 +112,8 @@ def unsimulated(store: Store, entry: Entry) -> str:
     return ""
 
 
-def _of_the_test(verdict: Verdict | None) -> tuple[str, ...]:
-    """Warnings where the surface that was written fails, and where its verdict leaves a doubt."""
-    if verdict is None:
-        return ()
-    return tuple(filter(None, ("" if verdict.passes else verdict.head, verdict.doubt)))
-
-
 def known_fields(store: Store, lane: str, part: Workpiece, state: Checkpoint) -> tuple[Known, ...]:
-    """Every field that is known of a checkpoint, in the order in which they are offered.
-
-    Args:
-        store: The run directory.
-        lane: The lane on show.
-        part: The prepared part.
-        state: The checkpoint.
-    """
+    """Every field that is known of a checkpoint, in the order in which they are offered."""
     simulation = store.objects.get_record(state.simulation, Simulation) if state.simulation else None
     newest, verdict = store.checkpoint(store.lane(lane).head), store.verdict(state)
     return known(store.recipe(state.recipe), state, simulation, part.thickness, newest, verdict)

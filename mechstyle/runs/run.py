@@ -199,8 +199,7 @@ class Run:
     def events(self, progress: Progress = no_progress) -> Generator[Event, None, None]:
         """Carry the lane on to its end, yielding what happens; the summary is written at the end.
 
-        Raises:
-            BadInput: If another process, or another session of this one, is carrying it on.
+        BadInput if another process, or another session of this one, is carrying it on.
         """
         with exclusive(self.store.root / "locks" / f"{self.lane}.lock", f"lane {self.lane!r} of {self.store.root}"):
             self.store.move(self.lane, msgspec.structs.replace(self.store.lane(self.lane), recipe=self.store.put_recipe(self.recipe)))

@@ -40,7 +40,7 @@ def test_a_relief_reduced_after_its_simulation_has_no_verdict(run):
     state, parent = run.checkpoint(3), run.store.find(3).digest
     for factor, said in ((0.5, "the relief was reduced right after"), (1.0, "")):
         after = replace(state, share=state.share * np.float32(factor), parent=parent)
-        assert unsimulated(run.store, run.store.entry(run.store.put_checkpoint(after))).partition(" this iteration")[0] == said
+        assert unsimulated(run.store, run.store.entry(run.store.objects.put_record(after))).partition(" this iteration")[0] == said
 
 
 def test_a_file_with_fields_holds_what_the_test_of_that_very_surface_says(run, tmp_path, dropless):

@@ -23,12 +23,7 @@ REACH, ROOM = 11.0, 3.0
 
 
 def timeline(tests: Sequence[Step], last: int) -> Markup:
-    """The chart of a lane that stands at iteration `last`; marks carry `data-iteration` for the script.
-
-    Args:
-        tests: At least one simulation.
-        last: Newest iteration, at least the last of `tests`.
-    """
+    """The chart of a lane that stands at iteration `last`, of at least one simulation; marks carry `data-iteration` for the script."""
     span = max(last, 1)
     top = 1.12 * max(max(_stress(step), _limit(step)) for step in tests)
     x = {step.iteration: LEFT + (RIGHT - LEFT) * step.iteration / span for step in tests}
@@ -123,12 +118,10 @@ def _axes(span: int, top: float) -> Markup:
     ]
     parts += [_rung(STRESS_BOTTOM - (STRESS_BOTTOM - STRESS_TOP) * value / top, f"{value:g}") for value in ticks(top, 4)]
     parts += [_rung(HELD_BOTTOM, "0 %"), _rung(HELD_TOP, "100 %")]
-    parts += [_under(LEFT + (RIGHT - LEFT) * value / span, f"{value:g}") for value in ticks(span, 10) if value == int(value)]
+    template = '<text x="{x:.1f}" y="{y}" text-anchor="middle">{name:g}</text>'
+    whole = (value for value in ticks(span, 10) if value == int(value))
+    parts += [Markup(template.format(x=LEFT + (RIGHT - LEFT) * value / span, y=HELD_BOTTOM + 20, name=value)) for value in whole]
     return joined(parts)
-
-
-def _under(x: float, name: str) -> Markup:
-    return fill('<text x="{x}" y="{y}" text-anchor="middle">{name}</text>', x=f"{x:.1f}", y=HELD_BOTTOM + 20, name=name)
 
 
 def _rung(y: float, name: str) -> Markup:

@@ -79,7 +79,7 @@ def test_a_frame_counts_what_the_report_counts_and_not_what_quantising_made_of_i
     last = run.checkpoint()
     mask = np.ones_like(last.mask)
     mask[:8], mask[8:20] = 0.0, 0.5
-    digest = run.store.put_checkpoint(replace(last, mask=mask))
+    digest = run.store.objects.put_record(replace(last, mask=mask))
     run.store.move("main", replace_fields(run.store.lane(), head=digest))
     assert replay_data(run).header["frames"][-1]["restrained"] == 8 / 64
 
