@@ -63,7 +63,6 @@ class Checkpoint:
     keyframe: dict[str, NDArray[np.float32]] | None = None
 
     def __post_init__(self) -> None:
-        """Freeze the fields over the surface."""
         count = len(self.displacement)
         for field in fields(self):
             value: Any = getattr(self, field.name)

@@ -50,7 +50,6 @@ class Patch(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
     angle: float = 20.0
 
     def __post_init__(self) -> None:
-        """Refuse patches that are none, several, or cannot be."""
         given = [shape for shape in SHAPES if getattr(self, shape) is not None]
         if len(given) != 1:
             raise BadInput(f"a patch is one of {', '.join(SHAPES)}, not {' and '.join(given) or 'nothing'}")
@@ -133,7 +132,6 @@ class Load(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     direction: tuple[float, float, float] = (0.0, 0.0, -1.0)
 
     def __post_init__(self) -> None:
-        """Refuse loads that are none, several, nowhere or zero; take a region for the patch it is."""
         _take_region(self)
         given = [effect for effect in EFFECTS if getattr(self, effect) is not None]
         if len(given) != 1:
@@ -164,7 +162,6 @@ class LoadCase(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     loads: tuple[Load, ...]
 
     def __post_init__(self) -> None:
-        """Refuse a case without a name, supports or loads."""
         if not self.name.strip():
             raise BadInput("a load case needs a name, such as 'hand on the rim'")
         for what in ("supports", "loads"):

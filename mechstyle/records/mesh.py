@@ -61,7 +61,6 @@ class SurfaceMesh:
     colours: NDArray[np.float32] | None = None
 
     def __post_init__(self) -> None:
-        """Freeze the arrays; a face that names no vertex raises ValueError."""
         object.__setattr__(self, "vertices", frozen_array(self.vertices, np.float64, (None, 3), "vertices"))
         object.__setattr__(self, "faces", frozen_array(self.faces, np.int32, (None, 3), "faces"))
         if self.colours is not None:
@@ -220,7 +219,6 @@ class TetMesh:
     tets: Indices
 
     def __post_init__(self) -> None:
-        """Freeze the arrays; a tetrahedron that names no vertex raises ValueError."""
         object.__setattr__(self, "vertices", frozen_array(self.vertices, np.float64, (None, 3), "vertices"))
         object.__setattr__(self, "tets", frozen_array(self.tets, np.int32, (None, 4), "tets"))
         if self.tets.size and not (self.tets.min() >= 0 and self.tets.max() < len(self.vertices)):

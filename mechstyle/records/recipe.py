@@ -51,7 +51,6 @@ class Chapter(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """Settings without an option of their own on the command line: they are given with --set."""
 
     def __post_init__(self) -> None:
-        """Refuse unknown names and values out of range, each in one sentence."""
         values = {name: getattr(self, attribute) for name, attribute in self.attributes().items()}
         for name, known in self.CHOICES.items():
             if values[name] not in known:
@@ -131,7 +130,6 @@ class Style(Chapter, frozen=True, kw_only=True):
     projection: str = "box"
 
     def __post_init__(self) -> None:
-        """Refuse, besides, a prompt that is too long, and a picture by anything but its digest."""
         super().__post_init__()
         check_prompt(self.prompt)
         if self.image and not re.fullmatch("[0-9a-f]{64}", self.image):
@@ -244,7 +242,6 @@ class StrengthTest(Chapter, frozen=True, kw_only=True):
     transfer: Transfer = "barycentric"
 
     def __post_init__(self) -> None:
-        """Refuse, besides, a direction of no length, and a material whose strength across layers nobody stated."""
         super().__post_init__()
         direction = self.build_direction
         if direction is None:

@@ -74,7 +74,6 @@ class Vertices(ProtectedRegion, frozen=True, tag="vertices"):
     indices: tuple[int, ...]
 
     def __post_init__(self) -> None:
-        """Refuse an empty list and negative numbers."""
         super().__post_init__()
         if not self.indices or min(self.indices) < 0:
             raise BadInput("a protected list of vertices must hold at least one number, and none below zero")
@@ -87,7 +86,6 @@ class Box(ProtectedRegion, frozen=True, tag="box"):
     high: Point
 
     def __post_init__(self) -> None:
-        """Refuse a box without volume."""
         super().__post_init__()
         _check_points(self.low, self.high)
         if not all(low < high for low, high in zip(self.low, self.high, strict=True)):
@@ -105,7 +103,6 @@ class Sphere(ProtectedRegion, frozen=True, tag="sphere"):
     radius: float
 
     def __post_init__(self) -> None:
-        """Refuse a sphere without volume."""
         super().__post_init__()
         _check_points(self.centre)
         if not 0.0 < self.radius < math.inf:
@@ -123,7 +120,6 @@ class HalfSpace(ProtectedRegion, frozen=True, tag="plane"):
     normal: Point
 
     def __post_init__(self) -> None:
-        """Refuse a plane without direction."""
         super().__post_init__()
         _check_points(self.point, self.normal)
         if not any(self.normal):
@@ -193,7 +189,6 @@ class End(ProtectedRegion, frozen=True, tag="end"):
     depth: float = 0.0
 
     def __post_init__(self) -> None:
-        """Refuse an end that parts do not have, and a depth that is no length."""
         super().__post_init__()
         if self.end not in ENDS:
             raise unknown("end of a part", self.end, ENDS)

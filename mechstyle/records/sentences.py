@@ -104,38 +104,29 @@ def head(verdict: Verdict) -> str:
         side = "at most" if decides.outcome == "HOLDS" else "above"
         strength = f"the {verdict.strength:.1f} MPa at which {verdict.material} yields"
         return f"{verdict.outcome} by the published rule: the largest element stress is {decides.stress:.1f} MPa, {side} {strength}."
-    clauses = {"HOLDS": _holds, "NO WORSE": _no_worse, "FAILS": _fails}[verdict.outcome](verdict)
-    return f"{verdict.outcome} {clauses}. Solid {verdict.material}, which yields at {verdict.strength:.1f} MPa."
+    return f"{verdict.outcome} {_clauses(verdict)}. Solid {verdict.material}, which yields at {verdict.strength:.1f} MPa."
 
 
-def _holds(verdict: Verdict) -> str:
-    """What a part holds: the fall, and the load that is nearest to its limit."""
-    loads = sorted((row for row in verdict.rows if row.test == "load"), key=lambda row: row.reserve)
-    dropped = _clause(verdict.rows[0], verdict)
-    if len(loads) > 1:
-        return f"{dropped} and all {len(loads)} loads, of which {_clause(loads[0], verdict)} has the least reserve"
-    return " and ".join([dropped, *(_clause(row, verdict) for row in loads)])
-
-
-def _no_worse(verdict: Verdict) -> str:
-    """Where a part survives less than is asked for, and that it holds flat if it does."""
+def _clauses(verdict: Verdict) -> str:
+    """What a part holds, or in what it is no worse than the plain part, or what it fails; and how it lands flat if it passes that."""
     flat = verdict.rows[0]
-    clauses = [f"flat it holds {_clause(flat, verdict)}"] if flat.outcome == "HOLDS" else []
-    for row in verdict.rows:
-        if row.decides and row.outcome == "NO WORSE":
+    if verdict.outcome == "HOLDS":  # of several loads the one that is nearest to its limit is named
+        loads = sorted((row for row in verdict.rows if row.test == "load"), key=lambda row: row.reserve)
+        if len(loads) > 1:
+            return f"{_clause(flat, verdict)} and all {len(loads)} loads, of which {_clause(loads[0], verdict)} has the least reserve"
+        return " and ".join(_clause(row, verdict) for row in (flat, *loads))
+    decide = [row for row in verdict.rows if row.decides and row.outcome == verdict.outcome]
+    if verdict.outcome == "NO WORSE":
+        clauses = [f"flat it holds {_clause(flat, verdict)}"] if flat.outcome == "HOLDS" else []
+        for row in decide:
             below = f"below {written(verdict.fall)}" if row.height is not None else "before all of it acts"
             clauses.append(f"{_where(row)} it begins to yield {below} ({_figures(row, verdict)})")
-    return f"than the plain part: {'; '.join(clauses)}"
-
-
-def _fails(verdict: Verdict) -> str:
-    """What a part fails, and how it lands flat if it passes that."""
-    flat, failed = verdict.rows[0], [row for row in verdict.rows if row.decides and row.outcome == "FAILS"]
-    clauses = [_clause(failed[0], verdict), *(f"{_where(row)} ({_figures(row, verdict)})" for row in failed[1:])]
-    if flat in failed:
-        return ", and also ".join(clauses)
+        return f"than the plain part: {'; '.join(clauses)}"
+    fails = ", and also ".join([_clause(decide[0], verdict), *(f"{_where(row)} ({_figures(row, verdict)})" for row in decide[1:])])
+    if flat in decide:
+        return fails
     passes = "it holds" if flat.outcome == "HOLDS" else "it is no worse than the plain part in"
-    return f"{', and also '.join(clauses)}; flat {passes} {_clause(flat, verdict)}"
+    return f"{fails}; flat {passes} {_clause(flat, verdict)}"
 
 
 def _clause(row: Row, verdict: Verdict) -> str:

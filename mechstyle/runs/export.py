@@ -74,10 +74,9 @@ def exported(
         sheen = sheen_of(recipe) if entry.iteration else DULL
         save(styled, path, name=name, fields={one.quantity.name: one.values.astype(np.float32) for one in known}, sheen=sheen)
     measured = quality(part.surface, styled, recipe.test.material.density)
-    tested = ("", "") if verdict is None else ("" if verdict.passes else verdict.head, verdict.doubt)
     record = Exported(
         file=path.name, lane=lane, iteration=entry.iteration, recipe=entry.recipe, verdict=verdict,
-        quality=measured, warnings=(*filter(None, (untested, *tested)), *measured.warnings),
+        quality=measured, warnings=(*([untested] if untested else ()), *of_the_test(verdict), *measured.warnings),
         fields={one.quantity.name: _in_words(one) for one in known}, printing=plan,
     )  # fmt: skip
     write_whole(sidecar(path), msgspec.json.format(to_json(record), indent=2))
@@ -110,6 +109,11 @@ def unsimulated(store: Store, entry: Entry) -> str:
     if entry.parent and not np.array_equal(store.checkpoint(entry.digest).share, store.checkpoint(entry.parent).share):
         return "the relief was reduced right after this iteration's simulation, so this very surface was not simulated"
     return ""
+
+
+def of_the_test(verdict: Verdict | None) -> tuple[str, ...]:
+    """Warnings where the surface that was written fails, and where its verdict leaves a doubt."""
+    return () if verdict is None else tuple(filter(None, ("" if verdict.passes else verdict.head, verdict.doubt)))
 
 
 def known_fields(store: Store, lane: str, part: Workpiece, state: Checkpoint) -> tuple[Known, ...]:

@@ -14,7 +14,7 @@ import trimesh
 
 from mechstyle.geometry.glb import DULL, Sheen
 from mechstyle.records import Doubt
-from mechstyle.runs.export import Exported, _of_the_test, sheen_of, sidecar, unsimulated
+from mechstyle.runs.export import Exported, of_the_test, sheen_of, sidecar, unsimulated
 from support.records import FALL, row, verdict
 
 
@@ -87,6 +87,6 @@ def test_a_glb_says_how_it_reflects(run, tmp_path, monkeypatch):
 def test_a_file_warns_of_what_fails_and_of_what_is_in_doubt():
     doubt = Doubt(about="relief", value=0.81)
     sure, doubtful, failed = verdict(row()), verdict(row(), doubts=(doubt,)), verdict(row(0.5 * FALL))
-    assert _of_the_test(sure) == _of_the_test(None) == ()
-    assert _of_the_test(doubtful) == (doubtful.doubt,)
-    assert _of_the_test(failed) == (failed.head,)
+    assert of_the_test(sure) == of_the_test(None) == ()
+    assert of_the_test(doubtful) == (doubtful.doubt,)
+    assert of_the_test(failed) == (failed.head,)

@@ -37,6 +37,19 @@ def timeline(tests: Sequence[Step], last: int) -> Markup:
     limit = _limit(tests[-1])
     allowed = f"M{LEFT} {height(_limit(tests[0])):.1f}"
     allowed += "".join(f"H{x[step.iteration]:.1f}V{height(_limit(step)):.1f}" for step in tests)
+    marks = []
+    for step in tests:
+        figures = "" if step.verdict.deciding is None else f", {sentences.figures(step.verdict.deciding)}"
+        words = f"iteration {step.iteration}: {sentences.marked(step.outcome, sure=step.verdict.sure)}{figures}; {step.reason}"
+        marks.append(
+            fill(
+                '<g class="mark {kind}" transform="translate({x} {y})" data-iteration="{iteration}"'
+                ' role="button" tabindex="0" aria-label="{words}">'
+                '<title>{words}</title><circle class="reach" r="14"/>{shape}</g>',
+                kind=kind(step.outcome), x=f"{x[step.iteration]:.1f}", y=f"{height(_stress(step)):.1f}", iteration=step.iteration,
+                words=words, shape=mark(step.outcome, sure=step.verdict.sure),
+            )
+        )  # fmt: skip
     beside, name = _free_place(height(limit), line, [(x[step.iteration], height(_stress(step))) for step in tests])
     return fill(
         '<svg class="timeline" viewBox="0 0 {width} {height}" role="group" tabindex="0"'
@@ -49,7 +62,7 @@ def timeline(tests: Sequence[Step], last: int) -> Markup:
         width=WIDTH, height=HEIGHT, left=LEFT, right=RIGHT, last=span,
         beside=beside, allowed=allowed, name=f"{name:.1f}",
         limit=f"{limit:.1f}", peaks=peaks, axes=_axes(span, top), held=_held(tests, x, RIGHT if last else LEFT),
-        marks=joined(_mark(step, x[step.iteration], height(_stress(step))) for step in tests),
+        marks=joined(marks),
         top=STRESS_TOP - 8, bottom=HELD_BOTTOM,
     )  # fmt: skip
 
@@ -83,19 +96,6 @@ def _free_place(limit: float, line: Sequence[tuple[float, float]], marks: Sequen
 def _distance(x: float, y: float, right: float, base: float) -> float:
     """From a place to the name that ends at `right` and stands on `base`, along the axis where it is farther; 0 within it."""
     return max(right - NAME[0] - x, x - right, base + 3 - NAME[1] - y, y - base - 3, 0.0)
-
-
-def _mark(step: Step, x: float, y: float) -> Markup:
-    decides = step.verdict.deciding
-    figures = "" if decides is None else f", {sentences.figures(decides)}"
-    words = f"iteration {step.iteration}: {sentences.marked(step.outcome, sure=step.verdict.sure)}{figures}; {step.reason}"
-    return fill(
-        '<g class="mark {kind}" transform="translate({x} {y})" data-iteration="{iteration}"'
-        ' role="button" tabindex="0" aria-label="{words}">'
-        '<title>{words}</title><circle class="reach" r="14"/>{shape}</g>',
-        kind=kind(step.outcome), x=f"{x:.1f}", y=f"{y:.1f}", iteration=step.iteration, words=words,
-        shape=mark(step.outcome, sure=step.verdict.sure),
-    )  # fmt: skip
 
 
 def _stress(step: Step) -> float:

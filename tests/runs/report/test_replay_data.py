@@ -11,7 +11,7 @@ from mechstyle.errors import BadInput
 from mechstyle.loop.store import Lane, Store
 from mechstyle.pictures import scene
 from mechstyle.records import sentences
-from mechstyle.runs.report.replay_data import LEVELS, NO_NUMBER, Channel, _quantised, replay_data
+from mechstyle.runs.report.replay_data import LEVELS, NO_NUMBER, Channel, channel_of, replay_data
 from mechstyle.runs.run import Run
 
 
@@ -115,8 +115,9 @@ def test_the_light_is_that_of_the_figures(lane):
 
 
 def test_a_value_that_is_no_number_stays_apart_from_those_that_are():
-    raw = _quantised(np.array([0.0, np.nan, 1.0], np.float32), 0.0, 1.0 / LEVELS)
-    assert raw.tolist() == [0, NO_NUMBER, LEVELS]
+    channel = channel_of("demand", [np.array([0.0, np.nan, 1.0], np.float32)])
+    assert (channel.low, channel.step) == (0.0, 1.0 / LEVELS)
+    assert channel.planes[0].tolist() == [0, NO_NUMBER, LEVELS]
 
 
 def test_differences_wrap_around_instead_of_overflowing():
