@@ -45,15 +45,10 @@ def linear_fields(connectivity: Indices, node_count: int) -> csr_array:
 
 
 class TwoLevel:
-    """An approximate inverse of a symmetric positive (semi-)definite matrix; symmetric and positive definite itself.
+    """An approximate inverse of a symmetric positive (semi-)definite matrix A; symmetric and positive definite itself.
 
-    Args:
-        matrix: A, shape [n, n].
-        fields: The linear fields, shape [n, m].
-        shift: Added to A where it is solved for the linear fields, so that a singular one can be.
-
-    Raises:
-        SimulationFailed: If that matrix cannot be factorised.
+    `fields` are the linear fields, shape [n, m]. A shift is added where A is solved for them, so that a singular one can be;
+    SimulationFailed if that matrix cannot be factorised.
     """
 
     def __init__(self, matrix: bsr_array | csr_array, fields: csr_array, shift: float = 0.0) -> None:

@@ -62,16 +62,10 @@ def snapshots(
     tets: TetMesh, material: Material, test: DropTest = DROP, *,
     normal: tuple[float, float, float] = UP, frames: int = 50, progress: Progress = no_progress, period: float | None = None,
 ) -> Snapshots:  # fmt: skip
-    """Drop a body, by default as it stands, on the CPU, and keep at most so many moments; `progress` may raise to cancel.
+    """Drop a body, by default as it stands, on the CPU, and keep at most so many moments, at least 4; `progress` may raise to cancel.
 
-    Args:
-        tets: The body [mm].
-        material: Its material.
-        test: Height, window and numerical settings.
-        normal: Of the floor, out of it, in the frame of the body; of length one.
-        frames: Most moments, at least 4; there are more than half as many unless the drop has fewer looks at it.
-        progress: Called with the fraction done.
-        period: As for `drop.drop`.
+    There are more than half as many unless the drop has fewer looks at it. `normal` is that of the floor, out of it, in the frame of the
+    body, of length one; others are as for `drop.drop`.
 
     Raises:
         BadInput: Unusable tetrahedra.

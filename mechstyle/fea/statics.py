@@ -83,9 +83,7 @@ class Boundary:
     def forces(self, inside: Bools, traction: Floats) -> Floats:
         """Consistent nodal forces of a traction, f_a = ∫ N_a t dA [N], shape [node_count, 3].
 
-        Args:
-            inside: Which points of which sides the traction acts at, shape [side_count, point_count].
-            traction: t times the area of the whole side [N], shape [side_count, 3].
+        It acts at the points `inside`, shape [side_count, point_count]; `traction` is t times the area of the whole side [N].
         """
         N = POINTS  # L_i of a linear triangle; L_i (2 L_i − 1) at the corners and 4 L_i L_j at the middles of a quadratic one
         if self.sides.shape[1] > 3:
@@ -103,12 +101,7 @@ TOUCH = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Picked:
-    """A piece of a boundary.
-
-    Attributes:
-        inside: Which points of which sides belong to it, shape [side_count, point_count].
-        nodes: Which nodes a support there holds, shape [node_count].
-    """
+    """A piece of a boundary: points of sides, shape [side_count, point_count], and nodes that a support there holds, shape [node_count]."""
 
     inside: Bools
     nodes: Bools
@@ -128,12 +121,10 @@ class Picked:
 
 def pick(boundary: Boundary, place: Place) -> Picked:
     """The piece of an undeformed boundary at a place; BadInput if there is none."""
-    if not isinstance(place, Patch) or place.facet is not None:
-        if isinstance(place, Patch):
-            sides = _facet(boundary, np.array(place.facet), place.angle)
-        else:
-            sides = on_floor(SurfaceMesh(boundary.mesh.nodes, boundary.sides[:, :3]))
-        picked = Picked(np.repeat(sides[:, None], len(POINTS), axis=1), _nodes_of(boundary, sides))
+    if not isinstance(place, Patch):
+        picked = _of_sides(boundary, on_floor(SurfaceMesh(boundary.mesh.nodes, boundary.sides[:, :3])))
+    elif place.facet is not None:
+        picked = _of_sides(boundary, _facet(boundary, np.array(place.facet), place.angle))
     elif place.near is not None:
         picked = _near(boundary, np.array(place.near[:3]), place.near[3])
     else:
@@ -162,6 +153,10 @@ def _near(boundary: Boundary, place: Floats, radius: float) -> Picked:
     same = np.asarray(boundary.area_vectors @ boundary.area_vectors[side] > 0.0)
     whole = _within(boundary, lambda points: in_ball(points, centre, radius))
     return Picked(whole.inside & same[:, None], whole.nodes & _nodes_of(boundary, same))
+
+
+def _of_sides(boundary: Boundary, sides: Bools) -> Picked:
+    return Picked(np.repeat(sides[:, None], len(POINTS), axis=1), _nodes_of(boundary, sides))
 
 
 def _nodes_of(boundary: Boundary, sides: Bools) -> Bools:
@@ -231,12 +226,7 @@ def stresses(material: Material, gradients: Floats, across: ArrayLike = (0.0, 0.
 
 @dataclass(frozen=True, eq=False)
 class Restraint:
-    """Admissible nodal displacements, u = Z q.
-
-    Attributes:
-        basis: Z, orthonormal columns, shape [3 node_count, free_count].
-        held: Which nodes are held in some direction, shape [node_count].
-    """
+    """Admissible nodal displacements u = Z q, Z of shape [3 node_count, free_count], and which nodes are held in some direction."""
 
     basis: sparse.csc_array
     held: Bools

@@ -277,14 +277,7 @@ STEEPEST = np.cos(np.radians(5.0))
 
 
 def in_box(points: Floats, low: ArrayLike, high: ArrayLike, *, margin: float = 0.0) -> Bools:
-    """Whether points, shape [..., 3], lie between two corners, the border included; all lengths in mm.
-
-    Args:
-        points: Positions.
-        low: The lowest corner.
-        high: The highest corner, which may lie in a plane with the lowest.
-        margin: How far outside still counts.
-    """
+    """Whether points, shape [..., 3], lie between the lowest and the highest corner, or no more than a margin outside; lengths in mm."""
     return np.asarray(((points >= np.asarray(low) - margin) & (points <= np.asarray(high) + margin)).all(axis=-1))
 
 

@@ -66,8 +66,11 @@ def exported(
     printing.check(path)
     untested = unsimulated(store, entry)
     verdict, styled = None if untested else state.verdict, part.surface.displaced(state.displacement).coloured(state.colour)
-    known = known_fields(store, lane, part, state) if fields else ()
-    plan = None
+    known, plan, words = known_fields(store, lane, part, state) if fields else (), None, dict[str, str]()
+    for one in known:
+        label = f"{one.quantity.label} [{one.quantity.unit}]" if one.quantity.unit else one.quantity.label
+        most = one.quantity.most and f"{one.quantity.most} stands for that and more"
+        words[one.quantity.name] = "; ".join(filter(None, (label, one.note, most)))
     if path.suffix.lower() == ".3mf":
         plan = write_for_printing(path, styled, part, recipe, printing, name=name)
     else:
@@ -77,7 +80,7 @@ def exported(
     record = Exported(
         file=path.name, lane=lane, iteration=entry.iteration, recipe=entry.recipe, verdict=verdict,
         quality=measured, warnings=(*([untested] if untested else ()), *of_the_test(verdict), *measured.warnings),
-        fields={one.quantity.name: _in_words(one) for one in known}, printing=plan,
+        fields=words, printing=plan,
     )  # fmt: skip
     write_whole(sidecar(path), msgspec.json.format(to_json(record), indent=2))
     return record
@@ -88,13 +91,6 @@ def sheen_of(recipe: Recipe) -> Sheen:
     found = {finish_of(wish.colour) for wish in wishes_of(recipe) if wish.style}
     only = found.pop() if len(found) == 1 else None
     return DULL if only is None else only[0].sheen
-
-
-def _in_words(known: Known) -> str:
-    """What a field is, with its unit and what should be known of its values."""
-    quantity = known.quantity
-    label = f"{quantity.label} [{quantity.unit}]" if quantity.unit else quantity.label
-    return "; ".join(filter(None, (label, known.note, quantity.most and f"{quantity.most} stands for that and more")))
 
 
 def sidecar(path: Path) -> Path:

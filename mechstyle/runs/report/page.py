@@ -290,29 +290,17 @@ def mimebundle(run: LaneOfRun) -> dict[str, str]:
     history = rows(run.store, run.lane)
     if not history:
         return {"text/plain": repr(run)}
-    tests = steps(run.store, history)
-    words = standing(history)[1].words
-    return {"text/plain": as_text(run, tests, words), "text/html": as_html(run, tests, words)}
-
-
-def as_text(run: LaneOfRun, tests: Sequence[Step], words: str) -> str:
-    """The run, its verdict in words and its simulations, a line each."""
-    outcomes = (sentences.marked(step.outcome, sure=step.verdict.sure) for step in tests)
-    lines = [f"{step.iteration:>5}  {how:<19}  {_stress(step)}  {step.reason}" for step, how in zip(tests, outcomes, strict=True)]
-    return "\n".join([repr(run), words, *lines])
-
-
-def as_html(run: LaneOfRun, tests: Sequence[Step], words: str) -> str:
-    """The same as a table under a picture; no style sheet and no script, which such places strip."""
-    lines = [
-        (step.iteration, step.reason, sentences.marked(step.outcome, sure=step.verdict.sure), _stress(step), f"{step.share:.0%}")
-        for step in tests
-    ]
-    return fill(
+    words, lines, cells = standing(history)[1].words, list[str](), list[tuple[object, ...]]()
+    for step in steps(run.store, history):
+        outcome = sentences.marked(step.outcome, sure=step.verdict.sure)
+        lines.append(f"{step.iteration:>5}  {outcome:<19}  {_stress(step)}  {step.reason}")
+        cells.append((step.iteration, step.reason, outcome, _stress(step), f"{step.share:.0%}"))
+    html = fill(  # no style sheet and no script, which such places strip
         "<p><strong>{name}</strong> as “{prompt}”</p>{picture}<p>{words}</p>{rows}",
         name=run.record.name, prompt=run.recipe.style.prompt, picture=still(run), words=words,
-        rows=table(("iteration", "why it was simulated", "outcome", "stress", "held back"), lines, "Simulations"),
+        rows=table(("iteration", "why it was simulated", "outcome", "stress", "held back"), cells, "Simulations"),
     )  # fmt: skip
+    return {"text/plain": "\n".join([repr(run), words, *lines]), "text/html": html}
 
 
 def still(run: LaneOfRun) -> Markup:

@@ -75,15 +75,9 @@ class Digests(msgspec.Struct, frozen=True):
 
 @dataclass(frozen=True, eq=False)
 class Channel:
-    """One field over all frames.
+    """One field over all frames: its different planes, raw, shape [vertex_count * width] each, and which of them each frame has.
 
-    Attributes:
-        name: Its key in the header.
-        planes: The different planes, raw, shape [vertex_count * width] each.
-        frames: Plane of each frame.
-        low: Value of raw 0.
-        step: Value of one raw step.
-        width: Numbers per vertex.
+    Raw 0 is the value `low`, and one raw step is `step`.
     """
 
     name: str
