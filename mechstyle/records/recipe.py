@@ -51,7 +51,7 @@ class Chapter(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """Settings without an option of their own on the command line: they are given with --set."""
 
     def __post_init__(self) -> None:
-        values = {name: getattr(self, attribute) for name, attribute in self.attributes().items()}
+        values = {name: getattr(self, own) for name, own in zip(self.__struct_encode_fields__, self.__struct_fields__, strict=True)}
         for name, known in self.CHOICES.items():
             if values[name] not in known:
                 raise unknown(name, str(values[name]), known)
@@ -59,11 +59,6 @@ class Chapter(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
             value = values[name]
             if value is not None and not low <= value <= high:
                 raise BadInput(f"{name.replace('_', ' ')} is {value:g}, but must lie between {low:g} and {high:g}")
-
-    @classmethod
-    def attributes(cls) -> dict[str, str]:
-        """The attribute of each setting, by the setting's name."""
-        return dict(zip(cls.__struct_encode_fields__, cls.__struct_fields__, strict=True))
 
 
 class Specimen(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
