@@ -54,6 +54,6 @@ def test_a_bar_in_six_tilts_meets_the_floor_as_in_a_full_run():
 
 @pytest.mark.parametrize("name", quick(falls))
 def test_the_simulation_holds(name, monkeypatch):
-    """Of one body in half as many cells; `mechstyle validate` drops two of them."""
+    """Of one body in half as many cells; the case of the suite drops two of them."""
     monkeypatch.setattr(falls, "_bodies", lambda: {"bracket": bracket(20.0, 8.0, 4.0, 4.0)})
     held(name)

@@ -77,7 +77,7 @@ def test_spread_is_half_the_range_over_the_mean():
     assert found["a, nearly flat"].error == 0.0
 
 
-# --- what `mechstyle validate` holds on finer bodies, in seconds ------------------------------------------------------
+# --- what the suite holds on finer bodies, in seconds ----------------------------------------------------------------
 
 
 @pytest.mark.parametrize(("longer", "step"), [(2.0, 1.0), (1.0, 0.5)])
