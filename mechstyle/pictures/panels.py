@@ -63,11 +63,6 @@ def field_panel(
     )  # fmt: skip
 
 
-def verdict_note(verdict: Verdict) -> str:
-    """A verdict in the line under a picture of the test that decides it."""
-    return sentences.note(verdict)
-
-
 def checkpoint_panels(
     original: SurfaceMesh, state: Checkpoint, recipe: Recipe, measured: Verdict | None, measured_at: int | None
 ) -> list[Panel]:
@@ -82,7 +77,7 @@ def checkpoint_panels(
     row = None if measured is None else measured.deciding
     note = "" if row is None else sentences.figures(row)
     if state.verdict is not None:
-        note = verdict_note(state.verdict)
+        note = sentences.note(state.verdict)
     elif measured_at != state.simulated_at:
         note = f"UNKNOWN: the later test at iteration {state.simulated_at} gave no answer"
     stress = fields.quantities(recipe, measured)[0]
@@ -138,7 +133,7 @@ def comparison(original: SurfaceMesh, start: Checkpoint, finals: Sequence[tuple[
         styled = original.displaced(state.displacement).coloured(state.colour)
         rows[0].append(Panel(styled, name))
         for row, view, title in ((1, "three_quarter", "stress"), (2, "below", "from below")):
-            note = verdict_note(state.verdict) if row == 1 and state.verdict is not None else ""
+            note = sentences.note(state.verdict) if row == 1 and state.verdict is not None else ""
             panel = field_panel(styled, stress, stress.of(state), title=title, note=note, view=view)
             rows[row].append(replace(panel, limits=(0.0, highest)))
     return picture([panel for row in rows for panel in row], title=f"“{finals[0][2].style.prompt}”", columns=len(shown))
