@@ -8,6 +8,7 @@ from typing import Any
 import ipywidgets
 import numpy as np
 import traitlets
+import trimesh
 
 from mechstyle.errors import BadInput
 from mechstyle.records.mesh import Floats, SurfaceMesh
@@ -99,8 +100,8 @@ class Tools(traitlets.HasTraits):
             self._orbit.move(across, up) if shift else self._orbit.turn(across * step, up * step)
         elif name in PAGES and self.section.on:
             self.section.move(PAGES[name])
-        elif name == "Enter":
-            self._look_at_the_middle()
+        elif name == "Enter":  # a click in the middle
+            self._look(-self._orbit.seen.axes[2])
         else:
             self._press(name)
         self._measure()
@@ -133,7 +134,6 @@ class Tools(traitlets.HasTraits):
         self._measure()
 
     def _press(self, key: str) -> None:
-        """What a letter does, and Escape."""
         if key in PICKS:
             self.tool = "" if self.tool == PICKS[key] else PICKS[key]
         elif key == "o":
@@ -143,34 +143,20 @@ class Tools(traitlets.HasTraits):
         elif key == "l":
             names = [STYLE, *(layer.name for layer in self.subject.layers)]
             self.layer = names[(names.index(self.layer) + 1) % len(names)]
-        elif key == "Escape":
-            self._leave()
-
-    def _leave(self) -> None:
-        """Leave the tool in hand, else what was measured, else the cut."""
-        if self.tool:
+        elif key == "Escape" and self.tool:
             self.tool = ""
-        elif self.measured:
+        elif key == "Escape" and self.measured:
             self.measured = ()
-        else:
+        elif key == "Escape":
             self.section.on = False
 
-    @traitlets.validate("probed")
-    def _known_vertex(self, proposal: dict[str, Any]) -> int | None:
-        if proposal["value"] is not None:
-            self._check(proposal["value"])
-        return proposal["value"]
-
-    @traitlets.validate("places")
-    def _known_places(self, proposal: dict[str, Any]) -> tuple[int, ...]:
-        for vertex in proposal["value"]:
-            self._check(vertex)
-        return tuple(proposal["value"])[-MOST_PINS:]
-
-    def _check(self, vertex: int) -> None:
-        count = len(self.subject.mesh.vertices)
-        if not 0 <= vertex < count:
-            raise BadInput(f"there is no vertex {vertex}: the part has {count}, counted from 0")
+    @traitlets.validate("probed", "places")
+    def _known(self, proposal: dict[str, Any]) -> Any:
+        given, count = proposal["value"], len(self.subject.mesh.vertices)
+        for vertex in given if isinstance(given, tuple) else () if given is None else (given,):
+            if not 0 <= vertex < count:
+                raise BadInput(f"there is no vertex {vertex}: the part has {count}, counted from 0")
+        return given[-MOST_PINS:] if isinstance(given, tuple) else given
 
     @traitlets.observe("parallel")
     def _project(self, _change: object) -> None:
@@ -196,9 +182,6 @@ class Tools(traitlets.HasTraits):
         else:
             self._look(where - self._orbit.seen.eye)
 
-    def _look_at_the_middle(self) -> None:
-        self._look(-self._orbit.seen.axes[2])
-
     def _look(self, towards: Floats) -> None:
         """Point at what one sees in a direction."""
         eye, mesh = self._orbit.seen.eye, self.subject.mesh
@@ -217,7 +200,10 @@ class Tools(traitlets.HasTraits):
             kept = self.measured if len(self.measured) == 1 else ()
             self.measured = (*kept, tuple(where.tolist()))
             return
-        self.probed = probe.nearest_corner(self.subject, face, where)
+        mesh = self.subject.mesh
+        corners, weigh = mesh.faces[face], trimesh.triangles.points_to_barycentric
+        self.probed = int(corners[np.linalg.norm(mesh.vertices[corners] - where, axis=1).argmin()])
         if self.tool == "places" and self.probed not in self.places:
             self.places = (*self.places, self.probed)
-        self._clicks(probe.carried_over(face, where, self.subject.mesh, self.at_rest))
+        weights = weigh(mesh.corners[[face]], np.atleast_2d(where))  # type: ignore[no-untyped-call]
+        self._clicks(tuple((weights[0] @ self.at_rest.corners[face]).tolist()))  # the same place on the part at rest

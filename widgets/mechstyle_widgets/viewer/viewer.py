@@ -5,8 +5,8 @@ All of pythreejs stays behind `Viewer`.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
 from dataclasses import replace
 from html import escape
 from typing import Any
@@ -23,10 +23,9 @@ from mechstyle.pictures.figure import Panel
 from mechstyle.pictures.panels import Picture, picture
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle_widgets.jupyter.cell_output import OncePerCell
-from mechstyle_widgets.jupyter.closing import close_family
 from mechstyle_widgets.jupyter.frame import Framed
 from mechstyle_widgets.jupyter.language import said
-from mechstyle_widgets.jupyter.looks import lean, sharing, show
+from mechstyle_widgets.jupyter.looks import close_family, lean, sharing, show
 from mechstyle_widgets.jupyter.one_thread import hear_on_one_thread
 from mechstyle_widgets.jupyter.throttle import Paced
 from mechstyle_widgets.state.troubles import sentence
@@ -91,15 +90,9 @@ class Viewer(Tools, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]
         width: int = 640,
         height: int = 440,
     ) -> None:
-        """Show a part.
+        """Show a part [mm] with fields over its surface, the first in front, so large [pixels].
 
-        Args:
-            mesh: The part [mm].
-            layers: Fields over its surface; the first is shown.
-            original: What may be shown beside it, with the same faces.
-            theme: `light` or `dark`.
-            width: Width of the view [pixels].
-            height: Height of the view [pixels].
+        `original`, with the same faces, may be shown beside it.
 
         Raises:
             BadInput: If a layer does not fit the part, or the original has other faces.
@@ -136,22 +129,20 @@ class Viewer(Tools, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]
         super().__init__([self._toolbar, self.section, window, self._foot, self._list])
         self.add_class("mechstyle-viewer")
         self.subject, self.original, self.theme = subject, original, theme
-        self._refresh = Paced(self._draw, self._confess)
+        # an error is said until drawing does not fail; the event loop would keep it to itself
+        alert = '<span role="alert">{}</span>'.format
+        self._refresh = Paced(self._draw, lambda error: setattr(self._said, "value", alert(escape(said(sentence(error))))))
         self.layer = layers[0].name if layers else STYLE
-        self._wire()
-        self._built = True
-        self._draw()
-
-    def _wire(self) -> None:
-        """Let the toolbar, the cut and the camera be heard."""
         hear_on_one_thread()
         for name in ("layer", "beside", "markers", "stepped", "parallel", "tool"):
             traitlets.link((self, name), (self._toolbar, name))
-        self.section.observe(lambda change: setattr(self._toolbar, "cut", change["new"]), "on")
+        traitlets.dlink((self.section, "on"), (self._toolbar, "cut"))
         self._toolbar.observe(lambda change: self.cut_open(on=change["new"]), "cut")
         self.section.observe(self._cut, ("on", "axis", "at", "flipped", "filled"))
-        self._orbit.observe(self._measure)
+        self._orbit.three.observe(self._measure, "position")  # the mouse has let go of the camera
         self.observe(lambda _: self._refresh(), DRAWN)
+        self._built = True
+        self._draw()
 
     def __repr__(self) -> str:
         """Layer and subject; never the arrays."""
@@ -193,9 +184,15 @@ class Viewer(Tools, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]
         return picture(self._panels(), title=title)
 
     def _panels(self) -> list[Panel]:
-        shown = self._shown
-        names = self.names if len(shown) > 1 else ("",)
-        return [self._panel(*one) for one in zip(shown, self._layers, names, strict=False)]
+        shown, seen, made = self._shown, self._orbit.seen, []
+        for subject, layer, title in zip(shown, self._layers, self.names if len(shown) > 1 else ("",), strict=False):
+            if layer is None:
+                made.append(Panel(self.section.applied(subject.mesh)[0], title, view=seen))
+                continue
+            mesh, values = self.section.applied(subject.mesh, layer.values)
+            how = (layer.unit, layer.label, layer.limits, layer.threshold, seen, layer.note, layer.judged, layer.most)
+            made.append(Panel(mesh, title, values, *how))
+        return made
 
     def still(self, title: str = "") -> Callable[[], bytes]:
         """What draws the view as it is now."""
@@ -251,23 +248,25 @@ class Viewer(Tools, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]
     @traitlets.observe("theme")
     def _relight(self, change: dict[str, Any]) -> None:
         for scene in self._scenes:
-            scene.relight(change["new"])
+            scene.three.background = BACKGROUNDS[change["new"]]
 
     # what is drawn
 
     def _draw(self) -> None:
-        """Bring the scenes, the legend and the table up to date with the traits."""
         layers, bands = self._layers, BANDS if self.stepped else 0
         layer = layers[0]
         self._orbit.follow(self.subject.mesh)
         self._arrange()
-        with self._at_once():
+        with ExitStack() as views:  # nothing is drawn until all that changes has changed
+            for view in self._views:
+                views.enter_context(view.hold())
             for scene, subject, painted in zip(self._scenes, self._shown, layers, strict=False):
                 scene.move(subject.mesh)
                 scene.paint(painted, subject.mesh)
                 scene.band(bands)
                 scene.cut(self.section.plane, filled=self.section.filled)
-                extremes, drawn = _extremes(subject, self.layer) if self.markers else None, self.measured or self.arrow
+                field, drawn = subject.layer(self.layer) if self.markers else None, self.measured or self.arrow
+                extremes = None if field is None else field.extremes()
                 scene.mark(extremes, self.probed, self.places, drawn, arrow=not self.measured)
             self._scenes[0].hatch(self.protected)
         mesh = self.subject.mesh
@@ -280,13 +279,8 @@ class Viewer(Tools, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]
         self._measure()
         self.drawings += 1
 
-    def _confess(self, error: Exception) -> None:
-        """Say that drawing failed, until it does not; the event loop would keep it to itself."""
-        self._said.value = f'<span role="alert">{escape(said(sentence(error)))}</span>'
-
     @property
     def _shown(self) -> list[Subject]:
-        """What stands side by side."""
         return [self.subject, *(one for one in (self.original, self.third) if self.beside and one is not None)]
 
     @property
@@ -316,20 +310,11 @@ class Viewer(Tools, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]
             show(self._titles, len(views) > 1)
 
     def _share_width(self) -> None:
-        """Give each view its share of the width."""
         (width, height), shown = self._size, self._stage.children
         for view in shown:
             with view.hold_sync():
                 view.width, view.height = width // len(shown), height
         self._orbit.resize(width / len(shown) / height)
-
-    @contextmanager
-    def _at_once(self) -> Iterator[None]:
-        """Let nothing be drawn until all that changes has changed."""
-        with ExitStack() as views:
-            for view in self._views:
-                views.enter_context(view.hold())
-            yield
 
     def _measure(self, _change: object = None) -> None:
         self._scale.value = legend.scale_bar(self._orbit.pixels_per_mm(self._size[1]), floor_cell(self.subject.mesh))
@@ -339,18 +324,6 @@ class Viewer(Tools, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]
         return pythreejs.Renderer(
             camera=self._orbit.three, scene=scene.three, controls=controls, width=width, height=height, antialias=True
         )
-
-    def _panel(self, subject: Subject, layer: Layer | None, title: str) -> Panel:
-        seen = self._orbit.seen
-        if layer is None:
-            return Panel(self.section.applied(subject.mesh)[0], title, view=seen)
-        mesh, values = self.section.applied(subject.mesh, layer.values)
-        how = (layer.unit, layer.label, layer.limits, layer.threshold, seen, layer.note, layer.judged, layer.most)
-        return Panel(mesh, title, values, *how)
-
-    def _add_under_view(self, widget: ipywidgets.Widget) -> None:
-        """Show one more widget between the view and what is written under it."""
-        self.children: tuple[ipywidgets.Widget, ...] = (*self.children[:-1], widget, self.children[-1])
 
     def _cut(self, _change: object) -> None:
         for scene in self._scenes:
@@ -384,8 +357,3 @@ class PartViewer(Viewer):
         """Show the plain part, and say why if there is a reason."""
         self.subject, self.original = Subject(self._rest), None
         self.badge.say(untested("No preview", why) if why else "")
-
-
-def _extremes(subject: Subject, name: str) -> tuple[int, int] | None:
-    layer = subject.layer(name)
-    return None if layer is None else layer.extremes()
