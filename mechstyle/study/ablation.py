@@ -89,18 +89,10 @@ class Ablation:
 
 
 def ablation(
-    models: Iterable[str],
-    prompts: Iterable[str],
-    out: str | Path,
-    *,
-    conditions: Iterable[str] = ("drop",),
-    arms: Iterable[str] = tuple(ARMS),
-    vertices: int = STANDARD_VERTICES,
-    device: str = "auto",
-    jobs: int = 1,
-    tell: Tell = lambda _: None,
-    **settings: Any,
-) -> Ablation:
+    models: Iterable[str], prompts: Iterable[str], out: str | Path, *,
+    conditions: Iterable[str] = ("drop",), arms: Iterable[str] = tuple(ARMS), vertices: int = STANDARD_VERTICES, device: str = "auto",
+    jobs: int = 1, tell: Tell = lambda _: None, **settings: Any,
+) -> Ablation:  # fmt: skip
     """Run every arm on every part and style under every condition; what was run before in the folder is not run again.
 
     Args:

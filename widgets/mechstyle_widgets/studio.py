@@ -86,12 +86,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
 
     @sharing()
     def __init__(
-        self,
-        part: str | Path | SurfaceMesh | Run | None = None,
-        *,
-        theme: str = "auto",
-        language: str = "en",
-        **settings: Any,
+        self, part: str | Path | SurfaceMesh | Run | None = None, *, theme: str = "auto", language: str = "en", **settings: Any
     ) -> None:
         """Open a part, or a run that was made before. The Studio is as wide as its cell.
 

@@ -31,7 +31,7 @@ def in_a_thread(
     def worked() -> None:
         try:
             tell: Callable[[], object] = partial(bring, work())
-        except Exception as error:  # noqa: BLE001 — whoever waits is told
+        except Exception as error:  # noqa: BLE001 — whoever waits hears of it
             tell = partial(failed, error)
         if loop is None:
             tell()

@@ -241,7 +241,19 @@ class StudioState(traitlets.HasTraits):
         self.session, self._iterations, self._foretold = session, iterations, foretold
         self._watch, self._outlook, self._last = Stopwatch(), Outlook(), ("", -1)
         session.listen(lambda event: self._hear(event) if session is self.session else None)
-        session.watch(lambda state: self._hear_state(session, state) if session is self.session else None)
+
+        def changed(state: str) -> None:
+            """In whatever thread the session changed its state."""
+            if session is not self.session:
+                return
+            self._watch.run() if state == "running" else self._watch.pause()
+            if state == "failed":
+                self.tell(message=sentence(session.error, None if self.run is None else self.run.store.place), alarming=True)
+            if state != "running":
+                self.tell(stage="", seconds_left=None)
+            self.tell(status="idle" if state == "ready" else state, pausing=False)
+
+        session.watch(changed)
 
     def tell(self, *, stale: bool = False, opened: Run | None = None, **traits: Any) -> None:
         """Note what traits are to become, from any thread; those of `OF_A_RUN` when the opened run is shown.
@@ -313,15 +325,6 @@ class StudioState(traitlets.HasTraits):
         """Time left by the estimate of before, from any thread; nothing once a drop test knows better, or more has passed."""
         left = self._foretold - self._watch.total
         return {} if self._outlook.known or not self._foretold else {"seconds_left": left if left > 0.0 else None}
-
-    def _hear_state(self, session: Session, state: str) -> None:
-        """In whatever thread a session changed its state."""
-        self._watch.run() if state == "running" else self._watch.pause()
-        if state == "failed":
-            self.tell(message=sentence(session.error, None if self.run is None else self.run.store.place), alarming=True)
-        if state != "running":
-            self.tell(stage="", seconds_left=None)
-        self.tell(status="idle" if state == "ready" else state, pausing=False)
 
 
 class Linked(traitlets.HasTraits):
