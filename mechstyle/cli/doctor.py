@@ -17,10 +17,11 @@ from mechstyle.cli.options import Json
 app = typer.Typer()
 
 EXTRAS = {
-    "jupyter": ("jupyterlab", "ipywidgets", "pythreejs", "plotly", "anywidget"),
-    "clip": ("torch", "transformers", "safetensors"),
-    "study": ("distributed", "pyarrow"),
+    "jupyter": ("the notebook interface", ("jupyterlab", "ipywidgets", "pythreejs", "plotly", "anywidget")),
+    "clip": ("styles from any prompt (guidance clip) and the X-Mesh network", ("torch", "transformers", "safetensors")),
+    "study": ("studies on many machines (--scheduler) and tables as Parquet", ("distributed", "pyarrow")),
 }
+"""What each extra is for, and its modules."""
 
 
 @app.command("doctor")
@@ -45,44 +46,23 @@ def doctor_command(as_json: Json = False) -> None:
 
 
 def examined() -> dict[str, Any]:
-    """Versions, devices, optional packages and folders, as `doctor` prints them."""
+    """Versions, devices and folders, and optional things that are not here: why one would want them, and how to get them."""
     from mechstyle._files import cache_folder  # noqa: PLC0415
     from mechstyle.fea.drop import available_devices  # noqa: PLC0415 — loads Warp
 
     packages = ("mechstyle", "numpy", "scipy", "trimesh", "manifold3d", "pytetwild", "warp-lang", "matplotlib")
-    versions = {"python": platform.python_version(), "cores": str(os.cpu_count())} | {
-        name: importlib.metadata.version(name) for name in packages
-    }
+    versions = {"python": platform.python_version(), "cores": str(os.cpu_count())}
+    versions |= {name: importlib.metadata.version(name) for name in packages}
     folder = cache_folder()
     size = sum(path.stat().st_size for path in folder.rglob("*") if path.is_file()) if folder.is_dir() else 0
     there = next(path for path in (folder, *folder.parents) if path.exists())
-    devices = available_devices()
-    return {
-        "versions": versions,
-        "devices": devices,
-        "cache": {"folder": str(folder), "megabytes": size / 1e6, "free_gigabytes": shutil.disk_usage(there).free / 1e9},
-        "missing": missing_pieces(devices),
-    }
-
-
-def missing_pieces(devices: list[str]) -> list[dict[str, str]]:
-    """Optional things that are not here, why one would want them, and the command that gets them."""
-    reasons = {
-        "jupyter": "the notebook interface",
-        "clip": "styles from any prompt (guidance clip) and the X-Mesh network",
-        "study": "studies on many machines (--scheduler) and tables as Parquet",
-    }
-    missing = []
-    for extra, modules in EXTRAS.items():
+    devices, missing = available_devices(), []
+    cache = {"folder": str(folder), "megabytes": size / 1e6, "free_gigabytes": shutil.disk_usage(there).free / 1e9}
+    for extra, (reason, modules) in EXTRAS.items():
         absent = [module for module in modules if importlib.util.find_spec(module) is None]
         if absent:
-            missing.append({"what": ", ".join(absent), "why": f"needed for {reasons[extra]}", "how": f"pip install 'mechstyle[{extra}]'"})
+            missing.append({"what": ", ".join(absent), "why": f"needed for {reason}", "how": f"pip install 'mechstyle[{extra}]'"})
     if devices == ["cpu"]:
-        missing.append(
-            {
-                "what": "a CUDA device",
-                "why": "simulations run on the CPU, which works the same but slower",
-                "how": "an NVIDIA GPU with a current driver",
-            }
-        )
-    return missing
+        why, how = "simulations run on the CPU, which works the same but slower", "an NVIDIA GPU with a current driver"
+        missing.append({"what": "a CUDA device", "why": why, "how": how})
+    return {"versions": versions, "devices": devices, "cache": cache, "missing": missing}

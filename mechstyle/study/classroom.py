@@ -34,21 +34,11 @@ ESCAPED = str.maketrans({sign: f"\\{sign}" for sign in "\\|<>[]`*_"})
 
 @dataclass(frozen=True)
 class Task:
-    """One part and style of a class.
-
-    Attributes:
-        model: A file or gallery:NAME.
-        prompt: The style.
-        command: What a pupil types.
-    """
+    """One part, a file or gallery:NAME, and style of a class, and what a pupil types."""
 
     model: str
     prompt: str
     command: str
-
-
-def _labelled(stage: Callable[[str], None], label: str, what: str) -> None:
-    stage(f"{label}: {what}")
 
 
 def prepare(
@@ -82,7 +72,7 @@ def prepare(
             label = f"{part.name}, {prompt}"
             run = started(
                 recipe, part, vertices=vertices, out=folder / "prepared" / file_stem(f"{part.name}-{prompt}"), name=part.name,
-                device=device, stage=partial(_labelled, stage, label),
+                device=device, stage=partial(lambda label, what: stage(f"{label}: {what}"), label),
             )  # fmt: skip
             stage(f"{label}: dropping the plain part")
             _ = run.simulator(run.recipe).baseline
@@ -149,7 +139,6 @@ def _passes(result: Result) -> bool:
 
 
 def _cells(who: str, result: Result) -> tuple[str, ...]:
-    """A line of the table without its place."""
     outcome = sentences.marked(result.outcome, sure=result.sure)
     survives = "–" if result.survives is None else sentences.length(result.survives)
     return who, result.part, result.prompt, outcome, survives, f"{result.kept:.0%}", str(result.simulations)
