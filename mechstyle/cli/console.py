@@ -11,7 +11,7 @@ import unicodedata
 import warnings
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any, NoReturn, ParamSpec, TypeVar
+from typing import TYPE_CHECKING, NoReturn, ParamSpec, TypeVar
 
 import msgspec
 from rich import markup
@@ -64,11 +64,8 @@ def command(function: Callable[P, R]) -> Callable[P, R]:
         except MechStyleError as error:
             fail(str(error), EXIT_BAD_INPUT, as_json=as_json)
         except OSError as error:
-            fail(
-                f"{error.filename or 'a file'}: {error.strerror or error}; check the path, the rights and the free space",
-                EXIT_BAD_INPUT,
-                as_json=as_json,
-            )
+            what = f"{error.filename or 'a file'}: {error.strerror or error}"
+            fail(f"{what}; check the path, the rights and the free space", EXIT_BAD_INPUT, as_json=as_json)
         except KeyboardInterrupt:
             fail("interrupted; what was checkpointed is kept, and the same command goes on from there", EXIT_INTERRUPTED, as_json=as_json)
 
@@ -110,19 +107,14 @@ def report_verdict(verdict: Verdict) -> None:
     """Print a verdict: its head, the table of tests, and what is in doubt."""
     out.print(headline(verdict))
     if verdict.rows:
-        out.print(tests_table(verdict))
+        headings, rows = sentences.tabulated(verdict)
+        made = table(*headings)
+        for row, cells in zip(verdict.rows, rows, strict=True):  # pale where a test does not decide
+            outcome = verdict_text(row.outcome, sure=row.sure) if row.decides else f"[dim]{escape(cells[-1])}[/]"
+            made.add_row(*map(escape, cells[:-1]), outcome)
+        out.print(made)
     if verdict.doubt:
         out.print(f"[{COLOURS['UNKNOWN']}]{escape(verdict.doubt)}[/]")
-
-
-def tests_table(verdict: Verdict) -> Table:
-    """The table of tests, each with its outcome in its colour; pale if it does not decide."""
-    headings, rows = sentences.tabulated(verdict)
-    made = table(*headings)
-    for row, cells in zip(verdict.rows, rows, strict=True):
-        outcome = verdict_text(row.outcome, sure=row.sure) if row.decides else f"[dim]{escape(cells[-1])}[/]"
-        made.add_row(*map(escape, cells[:-1]), outcome)
-    return made
 
 
 class FittingTable(Table):
@@ -232,16 +224,9 @@ def lines(say: Callable[[], None], over: Callable[[float], bool]) -> None:
 @contextmanager
 def progress_shown(iterations: int, *, quiet: bool) -> Iterator[ProgressDisplay]:
     """Progress on stderr while the block runs; none if `quiet`."""
-    columns: list[Any] = [
-        SpinnerColumn(),
-        BarColumn(30),
-        MofNCompleteColumn(),
-        TextColumn("{task.description}"),
-        TimeElapsedColumn(),
-        TextColumn("left"),
-        TimeRemainingColumn(),
-    ]
-    with Progress(*columns, console=err, disable=quiet, transient=True) as progress:
+    shown, times = (SpinnerColumn(), BarColumn(30), MofNCompleteColumn()), (TimeElapsedColumn(), TextColumn("left"), TimeRemainingColumn())
+    bar = Progress(*shown, TextColumn("{task.description}"), *times, console=err, disable=quiet, transient=True)
+    with bar as progress:
         if quiet:
             progress.console.quiet = True
         teller, over = ProgressDisplay(progress, iterations), threading.Event()

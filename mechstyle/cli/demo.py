@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from mechstyle.cli.console import command, err, escape, headline, in_colour, out, print_json, progress_shown, table
-from mechstyle.cli.options import Device, Json, Settings, Vertices, recipe_options, typed_as
+from mechstyle.cli.options import TYPED, Device, Json, Settings, Vertices, recipe_options
 from mechstyle.cli.run import carry_out
 from mechstyle.errors import BadInput
 from mechstyle.records import sentences
@@ -38,7 +38,7 @@ def demo_command(
     settings: Settings,
     folder: Annotated[Path, typer.Option("--out", help="Where the runs, pictures and 3MF files go.")] = Path("demo-out"),
     model: Annotated[str, typer.Option(help="What to style, a file or gallery:NAME.", show_default="the lessons' pawn")] = "",
-    prompt: Annotated[str, typer.Option(*typed_as("prompt").flags, help=described("prompt"))] = "brick",
+    prompt: Annotated[str, typer.Option(*TYPED["prompt"].flags, help=described("prompt"))] = "brick",
     device: Device = "auto",
     vertices: Vertices = DEMO_VERTICES,
     as_json: Json = False,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shlex
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -13,10 +13,6 @@ from mechstyle.cli.options import Device, Json
 from mechstyle.errors import BadInput
 from mechstyle.gallery import PREFIX
 from mechstyle.loop.store import Store, parse_address
-
-if TYPE_CHECKING:
-    from mechstyle.runs.orient import WaysUp
-
 
 app = typer.Typer()
 
@@ -96,12 +92,7 @@ def orient_command(
         found = ways_up(run, iteration, count=count, stage=teller.stage, progress=teller.fraction)
     if as_json:
         print_json(found)
-    else:
-        report_ways(found)
-
-
-def report_ways(found: WaysUp) -> None:
-    """Print a table, the best way up first, and what is behind it."""
+        return
     rows = table("way up", "up", "stress, MPa", "of", "overhang, cm²", "height, mm", "on the bed, cm²")
     for way in found.ways:
         stress = "not known" if way.stress is None else f"{way.stress:.1f}"

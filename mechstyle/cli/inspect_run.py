@@ -16,7 +16,6 @@ from mechstyle.records import sentences
 if TYPE_CHECKING:
     from mechstyle.loop.history import LaneSummary
     from mechstyle.runs.export import Exported
-    from mechstyle.runs.printing import PrintPlan
 
 app = typer.Typer()
 
@@ -90,13 +89,7 @@ def show_command(
     which = "".join(f"-{name}" for name in fields or ())
     path = run.show(iteration, fields=fields or ()).save(picture or root / f"{run.record.stem}-{lane}-{state.iteration}{which}.png")
     if as_json:
-        document = {
-            "iteration": state.iteration,
-            "reason": state.reason,
-            "verdict": state.verdict,
-            "style_loss": state.style_loss,
-            "simulated_at": state.simulated_at,
-        }
+        document = {name: getattr(state, name) for name in ("iteration", "reason", "verdict", "style_loss", "simulated_at")}
         print_json({**document, "lane": lane, "files": {"picture": str(path)}})
         return
     row = None if state.verdict is None else state.verdict.deciding
@@ -178,21 +171,16 @@ def report_export(place: Path, written: Exported) -> None:
     rows.add_row("wall that 1 % falls short of, mm", f"{q.thin_before:.2f}", f"{q.thin:.2f}")
     rows.add_row("mass if solid, g", f"{q.mass - q.mass_change:.1f}", f"{q.mass:.1f} ({q.volume_change:+.1%})")
     out.print(rows)
-    if written.printing is not None:
-        report_printing(written.printing)
+    if (plan := written.printing) is not None:  # what the print costs, which filaments the file names, and what would cost less
+        out.print(f"{plan.cost.words} [dim](estimate, of a changer with one nozzle: docs/printing.md)[/]")
+        slots = ", ".join(f"[{colour}]██[/] {slot} {colour}" for slot, colour in enumerate(plan.palette, 1))
+        out.print(f"filaments: {slots}")
+        if plan.merged:
+            out.print(f"[dim]{plan.merged} islands of colour narrower than two lines of plastic went to their neighbours[/]")
+        for offer in plan.offers:
+            bands = len(offer.palette) == len(plan.palette)
+            how = "--bands" if bands else f'--palette "{",".join(offer.palette)}"'
+            count = f"about {offer.changes}" if bands else offer.changes  # what the teeth of a border meet is a matter of luck
+            out.print(f"[dim]fewer changes:[/] {count} with {how}")
     for warning in written.warnings:
         out.print(f"[yellow]warning:[/] {escape(warning)}")
-
-
-def report_printing(plan: PrintPlan) -> None:
-    """Print what the print costs, which filaments the file names, and what would cost less."""
-    out.print(f"{plan.cost.words} [dim](estimate, of a changer with one nozzle: docs/printing.md)[/]")
-    slots = ", ".join(f"[{colour}]██[/] {slot} {colour}" for slot, colour in enumerate(plan.palette, 1))
-    out.print(f"filaments: {slots}")
-    if plan.merged:
-        out.print(f"[dim]{plan.merged} islands of colour narrower than two lines of plastic went to their neighbours[/]")
-    for offer in plan.offers:
-        bands = len(offer.palette) == len(plan.palette)
-        how = "--bands" if bands else f'--palette "{",".join(offer.palette)}"'
-        count = f"about {offer.changes}" if bands else offer.changes  # what the teeth of a border meet is a matter of luck
-        out.print(f"[dim]fewer changes:[/] {count} with {how}")

@@ -105,11 +105,6 @@ TYPED: dict[str, RecipeOption] = {
 """The options that are typed otherwise than the recipe has them."""
 
 
-def typed_as(name: str) -> RecipeOption:
-    """How a setting is typed."""
-    return TYPED.get(name, RecipeOption())
-
-
 def panel_of(name: str) -> str:
     """The heading a setting stands under in the help: its chapter's name."""
     return CHAPTER_OF[name].capitalize()
@@ -140,15 +135,10 @@ def recipe_options(*names: str, begins: bool = True, others: bool = False) -> Ca
 
 def reads_a_part(function: Callable[..., None]) -> Callable[..., None]:
     """Give a command the options that say how its file is read; those that were used reach it as one dict, `reading`."""
-    options = [
-        Parameter(
-            name,
-            Parameter.KEYWORD_ONLY,
-            annotation=kind,
-            default=typer.Option(default, help=what, rich_help_panel=MACHINE, show_default=False),
-        )
-        for name, (kind, default, what) in READING.items()
-    ]
+    options = []
+    for name, (kind, default, what) in READING.items():
+        option = typer.Option(default, help=what, rich_help_panel=MACHINE, show_default=False)
+        options.append(Parameter(name, Parameter.KEYWORD_ONLY, annotation=kind, default=option))
 
     @functools.wraps(function)
     def wrapped(**given: Any) -> None:
@@ -161,26 +151,23 @@ def reads_a_part(function: Callable[..., None]) -> Callable[..., None]:
 
 def _parameter(name: str, *, begins: bool) -> Parameter:
     """The parameter from which typer makes the option for a field of the recipe."""
-    known = typed_as(name)
+    known = TYPED.get(name, RecipeOption())
     required = begins and name not in DEFAULTS and known.default is None
-    shown = _default_as_typed(name) if begins and DEFAULTS.get(name) not in (None, "", ()) else True
+    default: Any = DEFAULTS.get(name)
+    shown = str(default)  # as it is typed
+    if isinstance(default, bool):
+        shown = f"--{'' if default else 'no-'}{name.replace('_', '-')}"
+    elif name == "height":
+        shown = written(default)
     option = typer.Option(
         ... if required else known.default if begins else None,
         *known.flags,
         help=f"{described(name)} {known.hint}".rstrip(),
         rich_help_panel=panel_of(name),
-        show_default=shown,
+        show_default=shown if begins and default not in (None, "", ()) else True,
     )
     kind = known.kind or TYPES[name]
     return Parameter(name, Parameter.KEYWORD_ONLY, annotation=kind if required else kind | None, default=option)
-
-
-def _default_as_typed(name: str) -> str:
-    """A default as it is typed."""
-    default = DEFAULTS[name]
-    if isinstance(default, bool):
-        return f"--{'' if default else 'no-'}{name.replace('_', '-')}"
-    return written(default) if name == "height" else str(default)
 
 
 def _joined(signature: Signature, options: list[Parameter], replaced: str = "settings") -> Signature:

@@ -77,7 +77,6 @@ def _written(dropped: PartTest, folder: Path, name: str, *, vtu: bool, each: boo
 
 
 def _figures(dropped: PartTest, files: dict[str, str]) -> dict[str, Any]:
-    """The measured figures as plain values, for `--json`."""
     from mechstyle.simulation.drop_history import history_figures  # noqa: PLC0415 — as above
 
     simulation, original, verdict = dropped.simulation, dropped.original, dropped.verdict

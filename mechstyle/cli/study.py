@@ -119,9 +119,8 @@ def page_command(
     files = write_page([row for source in sources for row in read_table(source)], page, note=words)
     if as_json:
         print_json({"files": files})
-        return
-    for what, path in files.items():
-        out.print(f"{what}: {escape(path)}")
+    else:
+        _print_rest((), files)
 
 
 def _factors(crossed: dict[str, Any], settings: Settings, vertices: int, device: str) -> Factors:
@@ -182,29 +181,18 @@ def ablation_command(
     models: Annotated[list[str], typer.Argument(metavar="MODEL...", help=f"Files (STL, OBJ, PLY, GLB, 3MF) or gallery:NAME. {READ_AS}")],
     settings: Settings,
     prompts: Annotated[
-        list[str] | None,
-        typer.Option("--prompt", "-p", help="A style, in words. May be given several times.", rich_help_panel=panel_of("prompt")),
+        Words, typer.Option("--prompt", "-p", help="A style, in words. May be given several times.", rich_help_panel=panel_of("prompt"))
     ] = None,
-    conditions: Annotated[
-        Words,
-        typer.Option(
-            "--condition",
-            help=f"{ASKED.format(', or of --load,')}. By default drop. May be given several times.",
-            rich_help_panel=panel_of("material"),
-        ),
-    ] = None,
+    conditions: Annotated[Words, typer.Option(
+        "--condition", help=f"{ASKED.format(', or of --load,')}. By default drop. May be given several times.",
+        rich_help_panel=panel_of("material"),
+    )] = None,
     arms: Annotated[
-        list[str] | None,
-        typer.Option("--arm", help="freestyle, static, finish-first or masks; by default all. May be given several times."),
+        Words, typer.Option("--arm", help="freestyle, static, finish-first or masks; by default all. May be given several times.")
     ] = None,
     jobs: Annotated[int, typer.Option(min=1, max=256, help="Processes side by side.", rich_help_panel=MACHINE)] = 1,
-    vertices: Vertices = STANDARD_VERTICES,
-    device: Device = "auto",
-    folder: Annotated[Path, typer.Option("--out", help="Folder for rows and runs; the same command goes on where it stopped.")] = Path(
-        "ablation"
-    ),
-    as_json: Json = False,
-) -> None:
+    vertices: Vertices = STANDARD_VERTICES, device: Device = "auto", folder: Out = Path("ablation"), as_json: Json = False,
+) -> None:  # fmt: skip
     """Stylize parts with mechanisms taken away, and count what each is worth."""
     from mechstyle.study.ablation import ablation  # noqa: PLC0415 — physics is loaded when something is run
     from mechstyle.study.grids import ARMS  # noqa: PLC0415

@@ -10,7 +10,7 @@ import typer
 from mechstyle._files import clip_folder
 from mechstyle.cli.console import command, err, escape, out, print_json, table
 from mechstyle.cli.options import Json
-from mechstyle.styling.learned.weights import DEFAULT, KNOWN, OWN_FOLDER, Weights, add, fetch, located, stored
+from mechstyle.styling.learned.weights import DEFAULT, KNOWN, OWN_FOLDER, Weights, add, fetch, located, need_clip_extra, stored
 
 app = typer.Typer()
 family = typer.Typer(no_args_is_help=True, help="CLIP weights, which styles from any prompt need (--guidance clip).")
@@ -19,12 +19,9 @@ app.add_typer(family, name="weights")
 
 @family.command("fetch")
 @command
-def fetch_command(
-    name: Annotated[str, typer.Argument(help=f"One of {', '.join(KNOWN)}.")] = DEFAULT,
-    as_json: Json = False,
-) -> None:
+def fetch_command(name: Annotated[str, typer.Argument(help=f"One of {', '.join(KNOWN)}.")] = DEFAULT, as_json: Json = False) -> None:
     """Download weights once, with their checksums; what is there and sound is left as it is."""
-    _need_libraries()
+    need_clip_extra()
     if not as_json:
         err.print(f"[dim]fetching {escape(name)} to {escape(str(clip_folder()))}[/]")
     _tell(fetch(name, clip_folder()), as_json=as_json)
@@ -38,7 +35,7 @@ def add_command(
     as_json: Json = False,
 ) -> None:
     """Check weights of your own and copy them to where the fetched ones are, so that --clip NAME finds them."""
-    _need_libraries()
+    need_clip_extra()
     _tell(add(folder, clip_folder(), name), as_json=as_json)
 
 
@@ -67,18 +64,12 @@ def path_command(
     as_json: Json = False,
 ) -> None:
     """Say where weights are, after verifying them."""
-    _need_libraries()
+    need_clip_extra()
     found = located(name, clip_folder())
     if as_json:
         print_json({"folder": found.folder, "identity": found.identity})
     else:
         out.print(escape(str(found.folder)))
-
-
-def _need_libraries() -> None:
-    from mechstyle.styling.learned.weights import need_clip_extra  # noqa: PLC0415 — asked only where weights are read
-
-    need_clip_extra()
 
 
 def _tell(found: Weights, *, as_json: bool) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,6 +14,7 @@ from mechstyle._files import write_whole
 from mechstyle.pictures.panels import Picture
 from mechstyle.records.mesh import STANDARD_VERTICES
 from mechstyle.records.sentences import length
+from mechstyle.study import figures
 from mechstyle.study.cells import Row
 from mechstyle.study.grids import ARMS, CONDITIONS, Factors, cells_of
 from mechstyle.study.walk import Tell, walk
@@ -35,11 +35,7 @@ SINGLE = (
 
 @dataclass(frozen=True)
 class Ablation:
-    """All runs of an ablation.
-
-    Attributes:
-        rows: One for each part, style, condition and arm.
-    """
+    """All runs of an ablation, one row for each part, style, condition and arm."""
 
     rows: Sequence[Row]
 
@@ -75,17 +71,11 @@ class Ablation:
 
     def show(self) -> Picture:
         """What is kept of every style, arm by arm, and whether the part passes."""
-        from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: PLC0415 — loaded when a picture is wanted
-        from matplotlib.figure import Figure  # noqa: PLC0415
-
         conditions = list(dict.fromkeys(row.condition for row in self.rows)) or ["drop"]
-        sheet = Figure(figsize=(2.0 + 4.2 * len(conditions), 4.4), dpi=110, facecolor="white", layout="constrained")
-        FigureCanvasAgg(sheet)
-        for axes, name in zip(sheet.subplots(1, len(conditions), sharey=True, squeeze=False)[0], conditions, strict=True):
+        page, columns = figures.sheet(2.0 + 4.2 * len(conditions), 4.4, 110, len(conditions))
+        for axes, name in zip(columns, conditions, strict=True):
             _draw(axes, [row for row in self.rows if row.condition == name and row.status == "done"], name)
-        buffer = io.BytesIO()
-        sheet.savefig(buffer, format="png", metadata={"Software": "MechStyle"})
-        return Picture(buffer.getvalue())
+        return Picture(figures.png(page))
 
     def save(self, folder: Path) -> dict[str, str]:
         """Write `ablation.md`, `ablation.json` and `ablation.png`; what each file is, and its path."""
@@ -99,18 +89,10 @@ class Ablation:
 
 
 def ablation(
-    models: Iterable[str],
-    prompts: Iterable[str],
-    out: str | Path,
-    *,
-    conditions: Iterable[str] = ("drop",),
-    arms: Iterable[str] = tuple(ARMS),
-    vertices: int = STANDARD_VERTICES,
-    device: str = "auto",
-    jobs: int = 1,
-    tell: Tell = lambda _: None,
-    **settings: Any,
-) -> Ablation:
+    models: Iterable[str], prompts: Iterable[str], out: str | Path, *,
+    conditions: Iterable[str] = ("drop",), arms: Iterable[str] = tuple(ARMS), vertices: int = STANDARD_VERTICES, device: str = "auto",
+    jobs: int = 1, tell: Tell = lambda _: None, **settings: Any,
+) -> Ablation:  # fmt: skip
     """Run every arm on every part and style under every condition; what was run before in the folder is not run again.
 
     Args:
@@ -164,7 +146,6 @@ def _block(row: Row) -> tuple[str, str, int]:
 
 
 def _line(row: Row) -> tuple[str, ...]:
-    """A run under SINGLE."""
     known = (row.part, row.prompt, row.condition, row.arm)
     if row.status != "done":
         return (*known, f"{row.status}: {row.refused}", *("" for _ in SINGLE[5:]))

@@ -60,12 +60,7 @@ def application_named(name: str) -> Application:
 
 @dataclass(frozen=True, eq=False)
 class Pair:
-    """One part and one prompt.
-
-    Attributes:
-        free: Finished run without feedback.
-        fed: Finished run with feedback.
-    """
+    """One part and one prompt, as finished runs without feedback and with it."""
 
     free: Run
     fed: Run

@@ -215,10 +215,7 @@ class Rows:
 
     def of(self, cell: Cell) -> Row | None:
         """The row of a cell; None if there is none, or it cannot be read and is to be made again."""
-        try:
-            return msgspec.json.decode(self.path(cell).read_bytes(), type=Row)
-        except (OSError, msgspec.MsgspecError):
-            return None
+        return next(iter(_decoded(self.path(cell))), None)
 
     def settled(self, cell: Cell) -> Row | None:
         """The row of a cell that is not to be run: None if it was refused, too, as the file or program that was at fault may be another."""
@@ -227,13 +224,7 @@ class Rows:
 
     def all(self) -> list[Row]:
         """Every row that can be read, in the order of their keys."""
-        found = []
-        for path in sorted((self.folder / "rows").glob("*.json")):
-            try:
-                found.append(msgspec.json.decode(path.read_bytes(), type=Row))
-            except (OSError, msgspec.MsgspecError):
-                continue
-        return found
+        return [row for path in sorted((self.folder / "rows").glob("*.json")) for row in _decoded(path)]
 
     def write(self, cell: Cell, row: Row) -> None:
         """Keep the row of a cell."""
@@ -246,6 +237,13 @@ class Rows:
         with path.open("ab") as file:
             file.write(b"x")
         return path.stat().st_size
+
+
+def _decoded(path: Path) -> list[Row]:
+    """The row of a file, nothing if it cannot be read."""
+    with suppress(OSError, msgspec.MsgspecError):
+        return [msgspec.json.decode(path.read_bytes(), type=Row)]
+    return []
 
 
 def carry_out(cell: Cell, folder: str | Path) -> Row:
@@ -265,7 +263,6 @@ def carry_out(cell: Cell, folder: str | Path) -> Row:
 
 
 def _figures(cell: Cell, folder: Path) -> Mapping[str, Any]:
-    """What became of a cell, as fields of its row."""
     try:
         return figures_of(cell.run(folder))
     except MechStyleError as error:
@@ -278,9 +275,8 @@ def _figures(cell: Cell, folder: Path) -> Mapping[str, Any]:
 def figures_of(run: Run) -> Mapping[str, Any]:
     """The figures of a finished run, as fields of a row."""
     verdict, summary, decides = run.verdict, run.summary, run.verdict.deciding
-    loads = [row for row in verdict.rows if row.test == "load"]
+    hardest = min((row for row in verdict.rows if row.test == "load"), key=lambda row: row.survived, default=None)
     flat, nearly, published = verdict.row("flat"), verdict.row("nearly flat"), verdict.published
-    hardest = min(loads, key=lambda row: row.survived, default=None)
     return {
         "load": "; ".join(map(words_of, run.recipe.test.loads)),
         "outcome": verdict.outcome,

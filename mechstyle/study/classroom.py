@@ -16,6 +16,7 @@ from mechstyle.errors import BadInput, MechStyleError
 from mechstyle.fea.explicit import no_progress
 from mechstyle.gallery import load
 from mechstyle.records import sentences
+from mechstyle.records.written import written
 from mechstyle.runs.recipes import draft
 from mechstyle.runs.report.reproduce import options, settings_for
 from mechstyle.runs.report.result import Result, read_result
@@ -33,21 +34,11 @@ ESCAPED = str.maketrans({sign: f"\\{sign}" for sign in "\\|<>[]`*_"})
 
 @dataclass(frozen=True)
 class Task:
-    """One part and style of a class.
-
-    Attributes:
-        model: A file or gallery:NAME.
-        prompt: The style.
-        command: What a pupil types.
-    """
+    """One part, a file or gallery:NAME, and style of a class, and what a pupil types."""
 
     model: str
     prompt: str
     command: str
-
-
-def _labelled(stage: Callable[[str], None], label: str, what: str) -> None:
-    stage(f"{label}: {what}")
 
 
 def prepare(
@@ -81,7 +72,7 @@ def prepare(
             label = f"{part.name}, {prompt}"
             run = started(
                 recipe, part, vertices=vertices, out=folder / "prepared" / file_stem(f"{part.name}-{prompt}"), name=part.name,
-                device=device, stage=partial(_labelled, stage, label),
+                device=device, stage=partial(lambda label, what: stage(f"{label}: {what}"), label),
             )  # fmt: skip
             stage(f"{label}: dropping the plain part")
             _ = run.simulator(run.recipe).baseline
@@ -114,7 +105,7 @@ class Handed:
     def lines(self) -> list[tuple[str, ...]]:
         """The table: headings, then a line for each report; what fails, or is of another fall, has no place."""
         placed = [(str(place) if _passes(one) else "–", *_cells(who, one)) for place, (who, one) in enumerate(self.ranked, 1)]
-        apart = [("–", *_cells(f"{who}, of a fall of {sentences.fall(one.fall)}", one)) for who, one in self.others]
+        apart = [("–", *_cells(f"{who}, of a fall of {written(one.fall)}", one)) for who, one in self.others]
         return [COLUMNS, *placed, *apart]
 
 
@@ -148,7 +139,6 @@ def _passes(result: Result) -> bool:
 
 
 def _cells(who: str, result: Result) -> tuple[str, ...]:
-    """A line of the table without its place."""
     outcome = sentences.marked(result.outcome, sure=result.sure)
     survives = "–" if result.survives is None else sentences.length(result.survives)
     return who, result.part, result.prompt, outcome, survives, f"{result.kept:.0%}", str(result.simulations)

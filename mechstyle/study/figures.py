@@ -29,29 +29,29 @@ def matrix(rows: Sequence[Row], title: str) -> bytes:
     from matplotlib.patches import Rectangle  # noqa: PLC0415 — loaded when a picture is wanted
 
     parts, styles = (list(dict.fromkeys(values)) for values in ([row.part for row in rows], [row.prompt for row in rows]))
-    sheet, axes = _sheet(0.9 + 0.24 * len(parts), 1)
+    page, (axes,) = sheet(WIDE, 0.9 + 0.24 * len(parts), DPI)
     place = {(row.part, row.prompt): row for row in rows}
     for (y, part), (x, style) in ((one, other) for one in enumerate(parts) for other in enumerate(styles)):
         row = place.get((part, style))
         text, colour = ("–", UNKNOWN) if row is None else _cell(row)
-        axes[0].add_patch(Rectangle((x - 0.48, y - 0.46), 0.96, 0.92, facecolor=colour, alpha=0.28, linewidth=0))
-        axes[0].text(x, y, text, ha="center", va="center", size=7.5, color=INK)
-    axes[0].set_xlim(-0.5, len(styles) - 0.5)
-    axes[0].set_ylim(len(parts) - 0.5, -0.5)
-    axes[0].set_xticks(range(len(styles)), styles, size=8)
-    axes[0].xaxis.tick_top()
-    axes[0].set_yticks(range(len(parts)), [part.replace("_", " ") for part in parts], size=8)
-    axes[0].tick_params(length=0)
-    axes[0].set_title(f"{title}, n = {sum(row.status == 'done' for row in rows)}", size=9, loc="left", weight="bold", pad=18)
-    for side in axes[0].spines.values():
+        axes.add_patch(Rectangle((x - 0.48, y - 0.46), 0.96, 0.92, facecolor=colour, alpha=0.28, linewidth=0))
+        axes.text(x, y, text, ha="center", va="center", size=7.5, color=INK)
+    axes.set_xlim(-0.5, len(styles) - 0.5)
+    axes.set_ylim(len(parts) - 0.5, -0.5)
+    axes.set_xticks(range(len(styles)), styles, size=8)
+    axes.xaxis.tick_top()
+    axes.set_yticks(range(len(parts)), [part.replace("_", " ") for part in parts], size=8)
+    axes.tick_params(length=0)
+    axes.set_title(f"{title}, n = {sum(row.status == 'done' for row in rows)}", size=9, loc="left", weight="bold", pad=18)
+    for side in axes.spines.values():
         side.set_visible(False)
-    return _png(sheet)
+    return png(page)
 
 
 def passing(rows: Sequence[Row], published: dict[str, float]) -> bytes:
     """Share of the runs of each arm that pass, with Wilson's interval, and the published value where there is one, as PNG."""
     arms = list(dict.fromkeys(row.arm for row in rows))
-    sheet, axes = _sheet(0.9 + 0.26 * len(arms), 1)
+    page, (axes,) = sheet(WIDE, 0.9 + 0.26 * len(arms), DPI)
     for y, arm in enumerate(arms):
         done = [row for row in rows if row.arm == arm and row.status == "done"]
         if not done:
@@ -59,30 +59,23 @@ def passing(rows: Sequence[Row], published: dict[str, float]) -> bytes:
         count = sum(row.passes for row in done)
         low, high = wilson(count, len(done))
         mark, colour = MARKS.get(done[0].control, ("o", INK))
-        axes[0].plot([100 * low, 100 * high], [y, y], color=colour, linewidth=1.4)
-        axes[0].plot(100 * count / len(done), y, marker=mark, color=colour, markersize=5)
+        axes.plot([100 * low, 100 * high], [y, y], color=colour, linewidth=1.4)
+        axes.plot(100 * count / len(done), y, marker=mark, color=colour, markersize=5)
         if arm in published:
-            axes[0].plot(published[arm], y, marker="D", markersize=7, markerfacecolor="none", markeredgecolor=INK)
-        axes[0].text(102, y, f"{count} of {len(done)}", va="center", size=7.5)
-    _named(axes[0], arms)
-    axes[0].set_xlim(-2, 100)
-    axes[0].set_xlabel("passes [%], 95 % Wilson interval; open diamond: published", size=8)
-    return _png(sheet)
+            axes.plot(published[arm], y, marker="D", markersize=7, markerfacecolor="none", markeredgecolor=INK)
+        axes.text(102, y, f"{count} of {len(done)}", va="center", size=7.5)
+    _named(axes, arms)
+    axes.set_xlim(-2, 100)
+    axes.set_xlabel("passes [%], 95 % Wilson interval; open diamond: published", size=8)
+    return png(page)
 
 
 def spread(rows: Sequence[Row], field: str, label: str, *, log: bool = False) -> bytes:
-    """Every run of each arm as a point, its median as a bar, as PNG.
-
-    Args:
-        rows: The runs.
-        field: Field of a row.
-        label: Of the axis, with its unit.
-        log: Whether the axis is logarithmic.
-    """
+    """Every run of each arm as a point over a field of its row, the median as a bar, as PNG."""
     from matplotlib.ticker import LogLocator  # noqa: PLC0415 — loaded when a picture is wanted
 
     arms = list(dict.fromkeys(row.arm for row in rows))
-    sheet, axes = _sheet(0.9 + 0.26 * len(arms), 1)
+    page, (axes,) = sheet(WIDE, 0.9 + 0.26 * len(arms), DPI)
     for y, arm in enumerate(arms):
         done = [row for row in rows if row.arm == arm and row.status == "done"]
         values = np.sort([float(getattr(row, field)) for row in done])
@@ -90,17 +83,17 @@ def spread(rows: Sequence[Row], field: str, label: str, *, log: bool = False) ->
             continue
         mark, colour = MARKS.get(done[0].control, ("o", INK))
         shift = 0.3 * (np.arange(len(values)) % 3 - 1) if len(values) > 1 else 0.0
-        axes[0].scatter(values, y + np.asarray(shift), marker=mark, s=12, facecolor=colour, edgecolor="white", linewidth=0.3)
-        axes[0].plot([np.median(values)] * 2, [y - 0.4, y + 0.4], color=INK, linewidth=1.2)
-        axes[0].text(1.01, y, f"n = {len(values)}", va="center", size=7.5, transform=axes[0].get_yaxis_transform())
-    _named(axes[0], arms)
+        axes.scatter(values, y + np.asarray(shift), marker=mark, s=12, facecolor=colour, edgecolor="white", linewidth=0.3)
+        axes.plot([np.median(values)] * 2, [y - 0.4, y + 0.4], color=INK, linewidth=1.2)
+        axes.text(1.01, y, f"n = {len(values)}", va="center", size=7.5, transform=axes.get_yaxis_transform())
+    _named(axes, arms)
     if log:
-        axes[0].set_xscale("log")
-        axes[0].xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-        axes[0].xaxis.set_major_formatter("{x:g}")
-        axes[0].xaxis.set_minor_formatter("")
-    axes[0].set_xlabel(f"{label}; bar: median", size=8)
-    return _png(sheet)
+        axes.set_xscale("log")
+        axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        axes.xaxis.set_major_formatter("{x:g}")
+        axes.xaxis.set_minor_formatter("")
+    axes.set_xlabel(f"{label}; bar: median", size=8)
+    return png(page)
 
 
 def _cell(row: Row) -> tuple[str, str]:
@@ -112,13 +105,14 @@ def _cell(row: Row) -> tuple[str, str]:
     return f"{height} {mark}" if row.sure or mark == "?" else f"{height} ({mark})", colour
 
 
-def _sheet(height: float, columns: int) -> tuple[Figure, list[Axes]]:
+def sheet(width: float, height: float, dpi: int, columns: int = 1) -> tuple[Figure, list[Axes]]:
+    """A white sheet [inch] with axes side by side, in one scale upwards."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: PLC0415 — as above
     from matplotlib.figure import Figure  # noqa: PLC0415
 
-    sheet = Figure(figsize=(WIDE, height), dpi=DPI, facecolor="white", layout="constrained")
-    FigureCanvasAgg(sheet)
-    return sheet, list(sheet.subplots(1, columns, squeeze=False)[0])
+    page = Figure(figsize=(width, height), dpi=dpi, facecolor="white", layout="constrained")
+    FigureCanvasAgg(page)
+    return page, list(page.subplots(1, columns, sharey=True, squeeze=False)[0])
 
 
 def _named(axes: Axes, arms: Sequence[str]) -> None:
@@ -131,7 +125,8 @@ def _named(axes: Axes, arms: Sequence[str]) -> None:
         axes.spines[side].set_visible(False)
 
 
-def _png(sheet: Figure) -> bytes:
+def png(page: Figure) -> bytes:
+    """A sheet as PNG."""
     buffer = io.BytesIO()
-    sheet.savefig(buffer, format="png", metadata={"Software": "MechStyle"})
+    page.savefig(buffer, format="png", metadata={"Software": "MechStyle"})
     return buffer.getvalue()

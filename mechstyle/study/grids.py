@@ -27,12 +27,7 @@ STUDIES = ("formative", "evaluation", "ablation")
 
 @dataclass(frozen=True)
 class Arm:
-    """A way to stylize with some of the mechanisms.
-
-    Attributes:
-        about: What is left, in words.
-        settings: What its recipe has different from the default.
-    """
+    """A way to stylize with some of the mechanisms: what is left, and what its recipe has different from the default."""
 
     about: str
     settings: Mapping[str, Any]
@@ -175,7 +170,6 @@ def _ablation(factors: Factors) -> list[Cell]:
 
 
 def _under(factors: Factors, model: str, arm: str, condition: str, style: str, seed: int) -> Cell:
-    """The cell of an arm under a condition."""
     asked = CONDITIONS[condition]
     loads = _loads(factors, model) if asked.load_share else ()
     cell = factors.cell(model, style, seed, arm, **{**asked.settings, "loads": loads, **STUDY_ARMS[arm].settings})

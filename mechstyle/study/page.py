@@ -13,21 +13,12 @@ import numpy as np
 
 from mechstyle._files import write_whole
 from mechstyle.errors import BadInput
-from mechstyle.records.sentences import EXPLANATION, MEANINGS, fall, length
-from mechstyle.study import figures
+from mechstyle.records.sentences import EXPLANATION, MEANINGS, length
+from mechstyle.records.written import written
+from mechstyle.study import figures, statistics
 from mechstyle.study.ablation import markdown
 from mechstyle.study.cells import Row, write_table
 from mechstyle.study.grids import CONDITIONS
-from mechstyle.study.statistics import (
-    bootstrap_over,
-    cochran,
-    friedman,
-    games_howell,
-    holm,
-    mcnemar,
-    welch_anova,
-    wilson,
-)  # fmt: skip
 
 FREE = "freestyle"
 LEAST = 5
@@ -70,7 +61,10 @@ def write_page(rows: Sequence[Row], page: Path, *, note: str = "") -> dict[str, 
     Raises:
         BadInput: If no run of these is finished.
     """
-    own = sorted({(row.recipe, row.part, row.vertices, row.arm, row.condition): row for row in rows}.values(), key=_order)
+    own = sorted(
+        {(row.recipe, row.part, row.vertices, row.arm, row.condition): row for row in rows}.values(),
+        key=lambda row: (row.part, row.prompt, row.arm, row.condition, str(row.amplitude), str(row.seed)),
+    )
     done = [row for row in own if row.status == "done"]
     if not done:
         raise BadInput("none of these runs is finished, so there is nothing to make a page of: run the study to its end")
@@ -92,10 +86,6 @@ def write_page(rows: Sequence[Row], page: Path, *, note: str = "") -> dict[str, 
     parts.append(f"## Compared with the published study\n\n{_beside(done)}{SLIPS}")
     write_whole(page, ("\n\n".join(part.rstrip() for part in parts if part) + "\n").encode())
     return files
-
-
-def _order(row: Row) -> tuple[str, ...]:
-    return row.part, row.prompt, row.arm, row.condition, str(row.amplitude), str(row.seed)
 
 
 def _freely(done: Sequence[Row]) -> list[Row]:
@@ -138,7 +128,7 @@ def _what(own: Sequence[Row], done: Sequence[Row]) -> str:
     sizes, seeds = sorted({row.tetrahedra for row in done}), len({row.seed for row in done})
     tetrahedra = str(sizes[0]) if len(sizes) == 1 else f"{sizes[0]} to {sizes[-1]}"
     iterations, vertices = (_either(sorted({getattr(row, field) for row in done})) for field in ("iterations", "vertices"))
-    falls, sure = " and ".join(fall(height) for height in sorted({row.fall for row in done})), sum(row.sure for row in done)
+    falls, sure = " and ".join(written(height) for height in sorted({row.fall for row in done})), sum(row.sure for row in done)
     hours = sum(row.cpu_seconds for row in done) / 3600.0
     text = (
         f"{len(done)} runs: {len(models)} models in {len(styles)} styles, {iterations} iterations, {vertices} vertices, "
@@ -176,7 +166,6 @@ def _counted(rows: Sequence[Row]) -> str:
 
 
 def _extremes(ways: Sequence[Row]) -> str:
-    """The ways that pass least and most often."""
     shares = sorted((sum(row.passes for row in rows) / len(rows), arm) for arm, rows in _grouped(ways).items())
     (least, worst), (most, best) = shares[0], shares[-1]
     return f"from {100 * least:.0f} % ({worst}) to {100 * most:.0f} % ({best})"
@@ -188,27 +177,20 @@ def _free(done: Sequence[Row], pictures: dict[str, str]) -> str:
         return ""
     lines = [("rule", "passes", "95 % Wilson interval", "drawn over models")]
     for rule, passed in (("this study", [row.passes for row in free]), ("published rule", [row.passes_published for row in free])):
-        low, high = wilson(sum(passed), len(passed))
-        over = bootstrap_over([row.part for row in free], np.array(passed, float))
-        share, drawn = _share(sum(passed), len(passed)), _range(100 * over[0], 100 * over[1], "%")
-        lines.append((rule, share, _range(100 * low, 100 * high, "%"), drawn))
-    shown = f"![{len(free)} runs, part by style]({pictures['freestyle']})"
-    return f"## The style alone\n\n{markdown(lines)}\n{_by_style(free)}{shown}\n\n{NUMBERS}"
-
-
-def _by_style(free: Sequence[Row]) -> str:
-    """How often a part passes with each style alone, where there are several."""
+        over = statistics.bootstrap_over([row.part for row in free], np.array(passed, float))
+        lines.append((rule, *_passing(sum(passed), len(passed)), _range(100 * over[0], 100 * over[1], "%")))
+    tables = [markdown(lines)]
     styles = {style: [row for row in free if row.prompt == style] for style in dict.fromkeys(row.prompt for row in free)}
-    if len(styles) < 2:
-        return ""
-    lines: list[tuple[str, ...]] = [
-        ("style", "passes", "95 % Wilson interval", "holds flat", "sure", "fall survived flat, median", "of the plain part, median")
-    ]
-    for style, rows in styles.items():
-        passes, flat, sure = (sum(getattr(row, of) for row in rows) for of in ("passes", "holds_flat", "sure"))
-        heights = (_median([getattr(row, of) for row in rows]) for of in ("flat_height", "plain_flat_height"))
-        lines.append((style, _share(passes, len(rows)), _interval(passes, len(rows)), _share(flat, len(rows)), str(sure), *heights))
-    return f"{markdown(lines)}\n"
+    if len(styles) > 1:
+        heights = ("fall survived flat, median", "of the plain part, median")
+        own: list[tuple[str, ...]] = [("style", "passes", "95 % Wilson interval", "holds flat", "sure", *heights)]
+        for style, rows in styles.items():
+            passes, flat, sure = (sum(getattr(row, of) for row in rows) for of in ("passes", "holds_flat", "sure"))
+            medians = (_median([getattr(row, of) for row in rows]) for of in ("flat_height", "plain_flat_height"))
+            own.append((style, *_passing(passes, len(rows)), _share(flat, len(rows)), str(sure), *medians))
+        tables.append(markdown(own))
+    shown, all_tables = f"![{len(free)} runs, part by style]({pictures['freestyle']})", "\n".join(tables)
+    return f"## The style alone\n\n{all_tables}\n{shown}\n\n{NUMBERS}"
 
 
 def _median(heights: Sequence[float | None]) -> str:
@@ -228,20 +210,17 @@ def _ways(done: Sequence[Row], pictures: dict[str, str]) -> str:
     for arm, rows in ways.items():
         passes, sure, published = (sum(getattr(row, of) for row in rows) for of in ("passes", "sure", "passes_published"))
         kept, times = np.median([row.kept for row in rows]), np.mean([row.simulations for row in rows])
-        counts = (_share(passes, len(rows)), _interval(passes, len(rows)), str(sure), _share(published, len(rows)))
+        counts = (*_passing(passes, len(rows)), str(sure), _share(published, len(rows)))
         lines.append((arm, *counts, f"{kept:.2f}", f"{times:.1f}"))
-    words = "\n\n".join([_cochran_words(ways), *_mcnemar_words(done, ways)])
+    blocks = _blocks(ways, lambda row: float(row.passes))
+    if len(blocks) < LEAST:
+        differ = f"* {len(blocks)} blocks of part and style have every way: too few for a test."
+    elif (found := statistics.cochran(blocks)) is None:
+        differ = "* In no block of part and style do the ways differ in whether the part passes."
+    else:
+        differ = f"* Cochran's Q over {len(blocks)} blocks of part and style: {found[0]:.2f}, p {_p(found[1])}."
+    words = "\n\n".join([differ, *_mcnemar_words(done, ways)])
     return f"## Control and schedule\n\n{markdown(lines)}\n![share that passes, way by way]({pictures['passes']})\n\n{words}"
-
-
-def _cochran_words(ways: dict[str, list[Row]]) -> str:
-    table = _blocks(ways, lambda row: float(row.passes))
-    if len(table) < LEAST:
-        return f"* {len(table)} blocks of part and style have every way: too few for a test."
-    found = cochran(table)
-    if found is None:
-        return "* In no block of part and style do the ways differ in whether the part passes."
-    return f"* Cochran's Q over {len(table)} blocks of part and style: {found[0]:.2f}, p {_p(found[1])}."
 
 
 def _mcnemar_words(done: Sequence[Row], ways: dict[str, list[Row]]) -> list[str]:
@@ -250,8 +229,8 @@ def _mcnemar_words(done: Sequence[Row], ways: dict[str, list[Row]]) -> list[str]
     for arm, rows in ways.items():
         pairs = [(alone[_block(row)], row) for row in rows if _block(row) in alone]
         if len(pairs) >= LEAST:
-            tested.append((arm, len(pairs), mcnemar([free.passes for free, _ in pairs], [fed.passes for _, fed in pairs])))
-    adjusted = holm([p for _, _, p in tested])
+            tested.append((arm, len(pairs), statistics.mcnemar([free.passes for free, _ in pairs], [fed.passes for _, fed in pairs])))
+    adjusted = statistics.holm([p for _, _, p in tested])
     if tested and max(adjusted) < SMALL:
         few, most = min(n for _, n, _ in tested), max(n for _, n, _ in tested)
         counted = f"{few}" if few == most else f"{few} to {most}"
@@ -269,14 +248,14 @@ def _times(done: Sequence[Row], pictures: dict[str, str]) -> str:
     lines = [("schedule", "runs", "processor time, mean [s]", "deviation [s]")]
     for name, own in groups.items():
         lines.append((name, str(len(own)), f"{np.mean(own):.0f}", f"{np.std(own, ddof=1):.0f}" if len(own) > 1 else "–"))
-    words, found = [], welch_anova(list(groups.values()))
+    words, found = [], statistics.welch_anova(list(groups.values()))
     if found is not None:
         words.append(f"* Welch: F({found.between:.0f}, {found.within:.1f}) = {found.statistic:.2f}, p {_p(found.p)}.")
-        for pair in games_howell(groups):
+        for pair in statistics.games_howell(groups):
             limits = _range(pair.low, pair.high, "s")
             words.append(f"* {pair.first} less {pair.second}: {pair.difference:.0f} s ({limits}), Games–Howell p {_p(pair.p)}.")
     table = _blocks(_grouped(ways), lambda row: row.cpu_seconds)
-    blocked = friedman(table) if len(table) >= LEAST else None
+    blocked = statistics.friedman(table) if len(table) >= LEAST else None
     if blocked is not None:
         words.append(f"* Friedman over {len(table)} blocks of part and style: {blocked[0]:.2f}, p {_p(blocked[1])}.")
     shown = f"![processor time, way by way]({pictures['time']})"
@@ -294,7 +273,6 @@ def _alike(rows: Sequence[Row]) -> tuple[list[Row], str]:
 
 
 def _arms(done: Sequence[Row], pictures: dict[str, str]) -> str:
-    """What each mechanism is worth, condition by condition."""
     arms = [row for row in done if _is_arm(row)]
     if not arms:
         return ""
@@ -307,7 +285,7 @@ def _arms(done: Sequence[Row], pictures: dict[str, str]) -> str:
     for names, rows in groups.items():
         passes, sure, fails = sum(row.passes for row in rows), sum(row.sure for row in rows), sum(row.outcome == "FAILS" for row in rows)
         kept, times = [row.kept for row in rows], np.mean([row.simulations for row in rows])
-        counts = (_share(passes, len(rows)), _interval(passes, len(rows)), str(fails), str(sure))
+        counts = (*_passing(passes, len(rows)), str(fails), str(sure))
         lines.append((*names, *counts, f"{np.median(kept):.2f}", f"{min(kept):.2f}", f"{times:.1f}"))
     asked = "".join(f"* **{name}**: {one.about}.\n" for name, one in CONDITIONS.items() if any(row.condition == name for row in arms))
     shown = f"![share that passes, arm by arm]({pictures['arms']})\n\n![style kept, arm by arm]({pictures['kept']})"
@@ -351,9 +329,10 @@ def _either(values: Sequence[int]) -> str:
     return f"{', '.join(others)} or {last}" if others else last
 
 
-def _interval(count: int, total: int) -> str:
-    low, high = wilson(count, total)
-    return _range(100 * low, 100 * high, "%")
+def _passing(count: int, total: int) -> tuple[str, str]:
+    """How many pass, with its share and its interval."""
+    low, high = statistics.wilson(count, total)
+    return _share(count, total), _range(100 * low, 100 * high, "%")
 
 
 def _share(count: int, total: int) -> str:

@@ -118,13 +118,7 @@ def holm(probabilities: Sequence[float]) -> list[float]:
 
 
 def bootstrap_over(clusters: Sequence[str], values: ArrayLike, *, resamples: int = 4000) -> tuple[float, float]:
-    """95 % percentile interval of a mean when whole clusters are drawn: runs of one model are not independent of each other.
-
-    Args:
-        clusters: The cluster of each value, such as its model.
-        values: Shape [n].
-        resamples: How many times clusters are drawn.
-    """
+    """95 % percentile interval of a mean when whole clusters are drawn: runs of one model are not independent of each other."""
     sample, random = np.asarray(values, dtype=np.float64), np.random.default_rng(0)
     names = list(dict.fromkeys(clusters))
     own = [sample[np.array([cluster == name for cluster in clusters])] for name in names]

@@ -7,7 +7,7 @@ import os
 import threading
 import time
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
@@ -63,7 +63,7 @@ def walk(cells: Sequence[Cell], folder: str | Path, *, jobs: int = 1, scheduler:
     return [row for row in map(rows.of, cells) if row is not None]
 
 
-def _models_in_turn(cells: Iterable[Cell]) -> list[Cell]:
+def _models_in_turn(cells: Sequence[Cell]) -> list[Cell]:
     """The cells so that neighbours are of different models: workers then find a part prepared, instead of preparing it at the same time."""
     by_model: dict[str, list[Cell]] = {}
     for cell in cells:
@@ -136,18 +136,18 @@ def _begin_process(begun: Any, jobs: int, parent: int) -> None:
 
     Threads of several processes on all cores are slower; a process left behind by a study that was killed would hold its run.
     """
-    threading.Thread(target=_end_with, args=(parent,), daemon=True).start()
+
+    def end_with_parent() -> None:
+        while os.getppid() == parent:
+            time.sleep(0.5)
+        os._exit(1)
+
+    threading.Thread(target=end_with_parent, daemon=True).start()
     if not hasattr(os, "sched_setaffinity"):
         return
     with begun.get_lock():
         place, begun.value = begun.value % jobs, begun.value + 1
     os.sched_setaffinity(0, sorted(os.sched_getaffinity(0))[place::jobs] or os.sched_getaffinity(0))
-
-
-def _end_with(parent: int) -> None:
-    while os.getppid() == parent:
-        time.sleep(0.5)
-    os._exit(1)
 
 
 # on the workers of a scheduler

@@ -82,7 +82,6 @@ def test_every_command_works_without_a_network(finished, offline):
         ["run", f"{BOX}", "--prompt", "brick", *quick, "--out", f"{out}/run"], ["gc", f"{out}/run"],
         ["freestyle", f"{BOX}", "--prompt", "brick", *quick, "--out", f"{out}/free"],
         ["branch", f"{out}/run@1", "--control", "frozen"], ["rerun", f"{out}/run"], ["orient", f"{out}/run"],
-        ["validate", "--case", "rigid"],
         ["simulate", f"{out}/part.glb", "--vertices=600", "--orientations=1", "--no-nearly-flat", "--window=0.05", "--out", f"{out}"],
         ["protect", "gallery:pen_holder", "--protect", "rim", "--vertices", "2000", "--out", f"{out}/rim.png"],
     ]  # fmt: skip

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -19,6 +18,7 @@ from mechstyle.runs.folders import PartRecord
 from mechstyle.runs.run import Run
 from mechstyle.runs.session import Session
 from mechstyle.simulation.part import Origin
+from mechstyle_widgets.jupyter import throttle
 from mechstyle_widgets.state.controller import Controller, Wanted
 from mechstyle_widgets.state.studio_state import StudioState
 from mechstyle_widgets.viewer import impact_player
@@ -124,10 +124,10 @@ def later(monkeypatch) -> Later:
     """Impacts are worked out and brought when the test says so, not in threads."""
     made = Later()
 
-    def thread(target, args, **_):
-        return SimpleNamespace(start=lambda: made.drops.append(lambda: target(*args)))
+    def thread(target, **_):
+        return SimpleNamespace(start=lambda: made.drops.append(target))
 
-    loop = SimpleNamespace(call_soon_threadsafe=lambda act, *given: made.brought.append(lambda: act(*given)))
+    loop = SimpleNamespace(call_soon_threadsafe=made.brought.append, is_closed=lambda: False)
     monkeypatch.setattr(impact_player, "running_loop", lambda: loop)
-    monkeypatch.setattr(impact_player, "threading", SimpleNamespace(Thread=thread, Event=threading.Event))
+    monkeypatch.setattr(throttle, "threading", SimpleNamespace(Thread=thread))
     return made

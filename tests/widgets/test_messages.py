@@ -60,7 +60,8 @@ def test_a_refusal_ends_with_what_was_refused(studio, cube):
 @pytest.mark.parametrize(("name", "value"), [("iteration", 4), ("lane", "soft")])
 def test_what_cannot_be_done_here_is_no_longer_said_elsewhere(studio, name, value):
     studio.run.branch(4, lane="soft", threshold=0.4)
-    studio.state._read_store()
+    studio.state.tell(stale=True)
+    studio.state.pump()
     studio.state.refuse("here this cannot be done")
     assert studio.state.alarming
     setattr(studio.state, name, value)

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from ipywidgets.widgets.widget_int import _BoundedInt
 
-from mechstyle_widgets.jupyter.closing import family
+from mechstyle_widgets.jupyter.looks import family
 from mechstyle_widgets.panels.run_controls import AT_REST
 from mechstyle_widgets.panels.take_away import TakeAway
 from mechstyle_widgets.settings.thumbnail_buttons import PictureChoice

@@ -22,47 +22,30 @@ if TYPE_CHECKING:
     from mechstyle_widgets.viewer.run_viewer import RunViewer
     from mechstyle_widgets.viewer.viewer import Viewer
 
-_WHERE = {
-    "Branches": "panels.branches",
-    "ControlSelector": "settings.control",
-    "DropOptions": "settings.drop",
-    "Layer": "viewer.layers",
-    "MaskInspector": "panels.mask_inspector",
-    "MaterialPicker": "settings.material",
-    "PartPicker": "settings.part",
-    "PromptBox": "settings.prompt",
-    "RegionsPicker": "settings.regions",
-    "Replay": "replay.replay",
-    "RunControls": "panels.run_controls",
-    "RunViewer": "viewer.run_viewer",
-    "ScheduleSelector": "settings.schedule",
-    "Studio": "studio",
-    "StudioState": "state.studio_state",
-    "Subject": "viewer.layers",
-    "Timeline": "timeline.timeline",
-    "Viewer": "viewer.viewer",
-}
+_WHERE = {name: module for module, names in {
+    "panels.branches": "Branches",
+    "panels.mask_inspector": "MaskInspector",
+    "panels.run_controls": "RunControls",
+    "replay.replay": "Replay",
+    "settings.control": "ControlSelector",
+    "settings.drop": "DropOptions",
+    "settings.material": "MaterialPicker",
+    "settings.part": "PartPicker",
+    "settings.prompt": "PromptBox",
+    "settings.regions": "RegionsPicker",
+    "settings.schedule": "ScheduleSelector",
+    "state.studio_state": "StudioState",
+    "studio": "Studio",
+    "timeline.timeline": "Timeline",
+    "viewer.layers": "Layer Subject",
+    "viewer.run_viewer": "RunViewer",
+    "viewer.viewer": "Viewer",
+}.items() for name in names.split()}  # fmt: skip
 
 __all__ = [
-    "Branches",
-    "ControlSelector",
-    "DropOptions",
-    "Layer",
-    "MaskInspector",
-    "MaterialPicker",
-    "PartPicker",
-    "PromptBox",
-    "RegionsPicker",
-    "Replay",
-    "RunControls",
-    "RunViewer",
-    "ScheduleSelector",
-    "Studio",
-    "StudioState",
-    "Subject",
-    "Timeline",
-    "Viewer",
-]
+    "Branches", "ControlSelector", "DropOptions", "Layer", "MaskInspector", "MaterialPicker", "PartPicker", "PromptBox", "RegionsPicker",
+    "Replay", "RunControls", "RunViewer", "ScheduleSelector", "Studio", "StudioState", "Subject", "Timeline", "Viewer",
+]  # fmt: skip
 
 
 def __getattr__(name: str) -> Any:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Callable
-from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -25,10 +24,9 @@ from mechstyle.runs.run import Run
 from mechstyle.simulation.estimate import estimated
 from mechstyle.teaching import STYLE, pawn
 from mechstyle_widgets.jupyter.cell_output import OncePerCell
-from mechstyle_widgets.jupyter.closing import close_family
 from mechstyle_widgets.jupyter.frame import Frame
 from mechstyle_widgets.jupyter.language import speak
-from mechstyle_widgets.jupyter.looks import lean, sharing, show, stacked
+from mechstyle_widgets.jupyter.looks import close_family, lean, sharing, show, stacked, unheard
 from mechstyle_widgets.panels.branches import Branches
 from mechstyle_widgets.panels.keys import Keys
 from mechstyle_widgets.panels.mask_inspector import DECIDES, MaskInspector
@@ -38,15 +36,14 @@ from mechstyle_widgets.panels.result import Result
 from mechstyle_widgets.panels.run_controls import AT_REST, RunControls
 from mechstyle_widgets.panels.take_away import TakeAway
 from mechstyle_widgets.panels.undo import Undo
-from mechstyle_widgets.settings.brush import covered, paintable
 from mechstyle_widgets.settings.control import ControlSelector
 from mechstyle_widgets.settings.drop import SIZES, DropOptions
-from mechstyle_widgets.settings.group import Group
 from mechstyle_widgets.settings.material import MaterialPicker
 from mechstyle_widgets.settings.part import PartPicker
 from mechstyle_widgets.settings.prompt import PromptBox
-from mechstyle_widgets.settings.regions import RegionsPicker
+from mechstyle_widgets.settings.regions import RegionsPicker, covered, paintable
 from mechstyle_widgets.settings.schedule import ScheduleSelector
+from mechstyle_widgets.settings.section import Group
 from mechstyle_widgets.state.controller import Controller, Wanted
 from mechstyle_widgets.state.preview import Preview, Previewer
 from mechstyle_widgets.state.schedule_forecast import landings_on_the_way, plan_of
@@ -83,19 +80,13 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
     theme = traitlets.Enum(("auto", "light", "dark"), "auto")
     _viewer: Viewer | None = None
     _timeline: Timeline | None = None
-    _undo: Undo | None = None
     _pictured = False
     _spared: tuple[str, NDArray[np.bool_]] = ("", np.zeros(0, bool))
     """What the last preview left as it is, but for what was painted or written: digest of its surface, and shape [vertex_count]."""
 
     @sharing()
     def __init__(
-        self,
-        part: str | Path | SurfaceMesh | Run | None = None,
-        *,
-        theme: str = "auto",
-        language: str = "en",
-        **settings: Any,
+        self, part: str | Path | SurfaceMesh | Run | None = None, *, theme: str = "auto", language: str = "en", **settings: Any
     ) -> None:
         """Open a part, or a run that was made before. The Studio is as wide as its cell.
 
@@ -119,6 +110,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self.state = StudioState()
         self.controller = Controller(self.state, self.wanted)
         self._make_sections("" if run is not None else part, settings)
+        self._undo = Undo(self._all_settings, self._give_all)
         self._changed()  # the timeline begins with the plan: what a figure gets before a page shows it may get lost
         self.frame, self._size = Frame(), SIZE
         traitlets.link((self.frame, "calm"), (self.state, "calm"))
@@ -127,7 +119,6 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self._middle, self._asked = stacked([], "mechstyle-view"), stacked([], "mechstyle-asked")
         self.theme = theme
         self._timeline = Timeline(self.state, theme=self.shown_theme, width=SIZE[0])
-        self._undo = Undo(self._all_settings, self._give_all)
         bar = [self.run_controls, self._undo, self.drop_options.sizes, self.take_away, self.frame]
         super().__init__([stacked(bar, "mechstyle-bar"), self._body()])
         self.add_class("mechstyle-studio")
@@ -141,7 +132,6 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self.drop_options.observe(self._emphasise, "vertices")
         self._emphasise()
         self.state.observe(self._preview, "settings")
-        self.run_controls.on_back(self.back)
         self.state.observe(self._rested, ("status", "run"))
 
     def _wire(self) -> None:
@@ -192,8 +182,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
 
     def step_back(self, *, forward: bool = False) -> None:
         """Undo the last setting, or redo one that was undone."""
-        if self._undo is not None:
-            (self._undo.redo if forward else self._undo.undo)()
+        (self._undo.redo if forward else self._undo.undo)()
 
     def show_mask(self) -> None:
         """Show what is held back, and what another setting would hold back."""
@@ -207,7 +196,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
 
     def wanted(self) -> Wanted:
         """The run the settings ask for; BadInput if they cannot be used."""
-        chosen = {name: value for section in self._sections for name, value in section.settings.items()}
+        chosen = self._chosen
         freestyle, prompt, material = self.control_selector.freestyle, chosen.pop("prompt"), chosen.pop("material")
         if freestyle:
             chosen = {name: value for name, value in chosen.items() if name not in (*FREESTYLE, "normalisation")}
@@ -246,12 +235,13 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self.drop_options = DropOptions()
         self._sections = [self.prompt_box, self.material_picker, self.control_selector, self.schedule_selector, self.regions_picker,
                           self.drop_options]  # fmt: skip
+        self._owners = {name: section for section in self._sections for name in (*section.FIELDS, *section.OWN)}
         traitlets.link((self.material_picker, "material"), (self.control_selector, "material"))
         traitlets.link((self.material_picker, "price"), (self.state, "price"))
         for name in ("relief", "amplitude"):
             traitlets.link((self.prompt_box, name), (self.schedule_selector, name))
         self._give(given)
-        self.run_controls = RunControls(self.controller)
+        self.run_controls = RunControls(self.controller, self.back)
         self.mask_inspector = MaskInspector(self.controller)
         self.branches, self._result = Branches(self.controller), Result(self.state)
         self.pull_here = PullHere(self.drop_options, lambda: self._viewer)
@@ -259,14 +249,17 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
     def _give(self, settings: dict[str, Any]) -> None:
         """Set what was given by name; as everywhere, a standard, poses and a criterion bring what belongs to them."""
         for name, value in brought(settings, self.control_selector.control).items():
-            owner = next((section for section in self._sections if name in (*section.FIELDS, *section.OWN)), None)
-            if owner is None and name in UNSEEN:
+            if name in self._owners:
+                setattr(self._owners[name], name, value)
+            elif name in UNSEEN:
                 self._unseen[name] = value
-            elif owner is None:
-                known = sorted({*UNSEEN, *(field for section in self._sections for field in (*section.FIELDS, *section.OWN))})
-                raise BadInput(f"the Studio has no setting {name!r}: known are {', '.join(known)}")
             else:
-                setattr(owner, name, value)
+                raise BadInput(f"the Studio has no setting {name!r}: known are {', '.join(sorted({*UNSEEN, *self._owners}))}")
+
+    @property
+    def _chosen(self) -> dict[str, Any]:
+        """What is chosen in all sections, by the names of a recipe's fields."""
+        return {name: value for section in self._sections for name, value in section.settings.items()}
 
     def _body(self) -> ipywidgets.Box:
         """Settings, view with timeline, and what looks into them; the sheet of the frame says which stand beside each other."""
@@ -296,33 +289,26 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         return bool(pages)
 
     def _open_again(self, run: Run) -> None:
-        """Show a run that was made before."""
         self.close_page()
         self._take(run)
         self.state.open(run)
         self._other_part()
 
     def _all_settings(self) -> dict[str, Any]:
-        """Everything that can be set, and the part, by name."""
-        chosen = {name: getattr(section, name) for section in self._sections for name in (*section.FIELDS, *section.OWN)}
-        part = self.part_picker
+        chosen, part = {name: getattr(section, name) for name, section in self._owners.items()}, self.part_picker
         return {**chosen, "unseen": dict(self._unseen), "part": (part.model, part.scale, part.body, part.mesh, part.name)}
 
     def _give_all(self, settings: dict[str, Any]) -> None:
-        """Set everything, and the part."""
-        self.drop_options.unobserve(self._other_criterion, "criterion")  # whose method is among the settings
         self._unseen = dict(settings["unseen"])
-        with self.state.hold_trait_notifications():
-            for section in self._sections:
-                for name in (*section.FIELDS, *section.OWN):
-                    setattr(section, name, settings[name])
-        self.drop_options.observe(self._other_criterion, "criterion")
+        # the method of a criterion is among the settings
+        with unheard(self.drop_options, self._other_criterion, "criterion"), self.state.hold_trait_notifications():
+            for name, section in self._owners.items():
+                setattr(section, name, settings[name])
         model, scale, body, mesh, name = settings["part"]
         if mesh is not self.part_picker.mesh and mesh is not None:
             self.part_picker.choose(model, scale, body) if model else self.part_picker.show(mesh, name)
 
     def _take(self, run: Run) -> None:
-        """Show the settings and the part of a run that was made before."""
         remember(run.recipe, run.store)  # its picture may come from another machine
         self._take_recipe(run.recipe)
         self.drop_options.vertices = len(run.part.surface.vertices)
@@ -330,38 +316,28 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self.part_picker.show(run.part.surface, run.record.name, run.record.origin.model)
 
     def _take_recipe(self, recipe: Recipe) -> None:
-        """Show the settings of a recipe."""
         self._unseen = {name: recipe.settings[name] for name in UNSEEN}
-        self.drop_options.unobserve(self._other_criterion, "criterion")  # whose method is in the recipe
-        with self._as_one(), self.state.hold_trait_notifications():  # one change of the settings, not one for each
+        heard = unheard(self.drop_options, self._other_criterion, "criterion")  # whose method is in the recipe
+        with heard, self._undo.as_one(), self.state.hold_trait_notifications():  # one change of the settings, not one for each
             for section in self._sections:
                 section.take(recipe)
-        self.drop_options.observe(self._other_criterion, "criterion")
 
     # what it follows
 
     def _other_criterion(self, change: dict[str, Any]) -> None:
         """A criterion that is chosen brings its method, as everywhere."""
-        with self._as_one():
+        with self._undo.as_one():
             self._give({"criterion": change["new"]})
 
-    def _as_one(self) -> AbstractContextManager[None]:
-        """Changes that are undone together."""
-        return nullcontext() if self._undo is None else self._undo.as_one()
-
     def _changed(self, _change: object = None) -> None:
-        """Tell the state what is asked for."""
-        asked = {name: value for section in self._sections for name, value in section.settings.items()}
-        self.state.settings = {**asked, **(FREESTYLE if self.control_selector.freestyle else {})}
-        if self._undo is not None:
-            self._undo.note()
+        self.state.settings = {**self._chosen, **(FREESTYLE if self.control_selector.freestyle else {})}
+        self._undo.note()
 
     def _other_part(self, _change: object = None) -> None:
         """A part was picked: show its run if there is one at hand, else the part as it is."""
         mesh = self.part_picker.mesh
         self.state.part = "" if mesh is None else mesh.digest
-        if self._undo is not None:
-            self._undo.note()
+        self._undo.note()
         if mesh is not None and not self._show_its_run():
             self._show_part(mesh)
             self._preview()
@@ -447,7 +423,6 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
             old.close()
 
     def _made(self, make: Callable[..., Any], what: Any) -> Any:
-        """A viewer of the size and in the theme that the others had."""
         return make(what, theme=self.shown_theme, width=self._size[0], height=self._size[1])
 
     def _emphasise(self, _change: object = None) -> None:
@@ -493,7 +468,6 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         return self.theme if self.theme != "auto" else "dark" if self.frame.dark else "light"
 
     def _fit(self, _change: object) -> None:
-        """Take the room there is."""
         width, height = self.frame.size
         self._size = width, height
         if self._viewer is not None:
@@ -504,7 +478,6 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
     # the style before it is run
 
     def _preview(self, _change: object = None) -> None:
-        """Ask for the style on the part, if that is what is shown."""
         mesh = self.part_picker.mesh
         if mesh is not None and isinstance(self._viewer, RunViewer) and self._looks_otherwise():
             before = self._viewer
@@ -546,7 +519,6 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self._picture_first()
 
     def _not_drawn(self, why: str) -> None:
-        """A style cannot be drawn on this part."""
         if isinstance(self._viewer, PartViewer):
             self._viewer.take_off(why)
             self._picture_first()

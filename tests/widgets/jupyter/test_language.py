@@ -19,13 +19,13 @@ from mechstyle.runs.stylizers import finished_style
 from mechstyle.simulation.part import Shape
 from mechstyle_widgets import jupyter
 from mechstyle_widgets.jupyter import frame
-from mechstyle_widgets.jupyter.closing import family
 from mechstyle_widgets.jupyter.language import GERMAN, LANGUAGES, said, speak, word
+from mechstyle_widgets.jupyter.looks import family
 from mechstyle_widgets.jupyter.terms import terms
-from mechstyle_widgets.replay.cache import Cache
+from mechstyle_widgets.replay.scrubber import Cache
 from mechstyle_widgets.settings.thumbnail_buttons import PictureChoice
 from mechstyle_widgets.studio import Studio
-from mechstyle_widgets.timeline.curves import Curves
+from mechstyle_widgets.timeline.timeline import Curves
 from support.german import MARKUP, english_in, plain
 
 

@@ -6,8 +6,7 @@ import traitlets
 from ipywidgets.widgets import widget as library
 
 from mechstyle_widgets import Studio
-from mechstyle_widgets.jupyter.closing import close_family
-from mechstyle_widgets.jupyter.looks import close_unused, lean, sharing, show
+from mechstyle_widgets.jupyter.looks import close_family, close_unused, lean, sharing, show
 
 MODELS, BYTES = 420, 2_000_000
 """What a Studio may be made of before a run, half as much again as its 25k vertices and controls come to; it was 836, and 8.5 MB."""

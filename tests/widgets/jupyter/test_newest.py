@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import threading
 
-from mechstyle_widgets.jupyter.newest import Newest
+from mechstyle_widgets.jupyter.throttle import Newest
 
 
 def asked_while_it_works(*wishes, then=lambda _: None, raises=()):

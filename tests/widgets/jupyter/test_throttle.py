@@ -10,7 +10,7 @@ import ipywidgets
 from comm import get_comm_manager
 
 from mechstyle_widgets.jupyter.cell_output import OncePerCell
-from mechstyle_widgets.jupyter.closing import close_family
+from mechstyle_widgets.jupyter.looks import close_family
 from mechstyle_widgets.jupyter.throttle import SHORTEST_WAIT, Paced
 
 

@@ -7,8 +7,7 @@ import asyncio
 import pytest
 
 from mechstyle.runs.report.replay_data import replay_data
-from mechstyle_widgets.replay.cache import Cache, Packer, digests_of, served
-from mechstyle_widgets.replay.scrubber import Scrubber
+from mechstyle_widgets.replay.scrubber import Cache, Packer, Scrubber, digests_of, served
 from mechstyle_widgets.state.studio_state import StudioState
 from mechstyle_widgets.timeline.timeline import Timeline
 from mechstyle_widgets.viewer.run_viewer import RunViewer

@@ -5,7 +5,7 @@ import pytest
 
 from mechstyle.errors import BadInput
 from mechstyle.records.regions import Inside, Sphere, regions
-from mechstyle_widgets.settings.brush import FACES, covered, dabbed, paintable
+from mechstyle_widgets.settings.regions import FACES, covered, dabbed, paintable
 
 
 def test_a_click_beside_a_ball_adds_one_and_a_click_in_its_middle_takes_it_away():

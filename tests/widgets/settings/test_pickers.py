@@ -17,12 +17,13 @@ from mechstyle.runs.images import digest_of
 from mechstyle.runs.recipes import draft
 from mechstyle.styling.drawing.raster import png_of
 from mechstyle.styling.library import names
+from mechstyle_widgets.jupyter.looks import family
 from mechstyle_widgets.settings.drop import ONCE, DropOptions
 from mechstyle_widgets.settings.material import MaterialPicker
-from mechstyle_widgets.settings.millimetres import AUTO
 from mechstyle_widgets.settings.part import PartPicker
 from mechstyle_widgets.settings.prompt import PromptBox
 from mechstyle_widgets.settings.regions import RegionsPicker
+from mechstyle_widgets.settings.section import AUTO
 from support.records import recipe
 
 # --- material -----------------------------------------------------------------------------------------------------
@@ -100,11 +101,18 @@ def test_a_share_of_the_wall_is_shown_where_a_run_has_one():
     assert (box._relief.label, box.relief) == ("auto", None)
 
 
-@pytest.mark.parametrize(("trait", "value"), [("side", "outwards"), ("inside", "styled"), ("feature", 5.0)])
-def test_what_else_the_style_section_sets_reaches_the_recipe(trait, value):
+def control(box, description):
+    """The control of a section that is described so."""
+    return next(one for one in family(box) if getattr(one, "description", "") == description)
+
+
+OTHERS = [("side", "goes", "outwards"), ("inside", "inside", "styled"), ("feature", "size", 5.0)]
+
+
+@pytest.mark.parametrize(("trait", "described", "value"), OTHERS)
+def test_what_else_the_style_section_sets_reaches_the_recipe(trait, described, value):
     box = PromptBox("brick")
-    control = {"side": box._side, "inside": box._inside, "feature": box._feature}[trait]
-    control.value = value
+    control(box, described).value = value
     assert box.settings[trait] == value
 
 
@@ -139,7 +147,7 @@ def test_a_prompt_without_a_style_names_the_nearest_and_leaves_no_reading():
 def test_clip_takes_any_prompt():
     box = PromptBox("nonsense")
     assert "names no style" in box.trouble
-    box._guidance.value = "clip"
+    control(box, "style from").value = "clip"
     assert box.settings["guidance"] == "clip"
     assert box.trouble == ""
 
@@ -302,7 +310,7 @@ def test_a_clicked_piece_is_protected():
     picker = RegionsPicker()
     assert picker._clicked.disabled
     picker.place = (1.0, 2.0, 3.0)
-    picker._protect_clicked()
+    picker._clicked.click()
     assert picker.protect[0].words == "segment 1 2 3"
 
 

@@ -8,7 +8,7 @@ import pytest
 from mechstyle.errors import BadInput
 from mechstyle.runs.run import Run
 from mechstyle.simulation.impact import Impact
-from mechstyle_widgets.jupyter import closing
+from mechstyle_widgets.jupyter import looks
 from mechstyle_widgets.state.studio_state import StudioState
 from mechstyle_widgets.viewer import impact_player
 from mechstyle_widgets.viewer.layers import Layer
@@ -93,7 +93,7 @@ def test_a_closed_viewer_is_left_alone_when_python_removes_it(done, monkeypatch)
     """In whatever thread, and amid whatever is being made: it went through the controls of all other widgets once more."""
     viewer, gone_through = RunViewer(StudioState(done)), []
     viewer.close()
-    monkeypatch.setattr(closing, "family", lambda widget: gone_through.append(widget) or [])
+    monkeypatch.setattr(looks, "family", lambda widget: gone_through.append(widget) or [])
     viewer.close()
     assert gone_through == []
 

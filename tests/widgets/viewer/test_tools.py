@@ -263,12 +263,12 @@ def test_there_are_no_more_places_than_numbers_and_none_off_the_part(viewer):
 
 
 def test_the_buttons_and_the_keys_are_one(viewer):
-    viewer._toolbar._measure.value = True
+    viewer._toolbar._tools["measure"].value = True
     assert viewer.tool == "measure"
-    viewer._toolbar._places.value = True
-    assert (viewer.tool, viewer._toolbar._measure.value) == ("places", False)
+    viewer._toolbar._tools["places"].value = True
+    assert (viewer.tool, viewer._toolbar._tools["measure"].value) == ("places", False)
     viewer.key("a")
-    assert (viewer.tool, viewer._toolbar._places.value) == ("", False)
+    assert (viewer.tool, viewer._toolbar._tools["places"].value) == ("", False)
     viewer._toolbar._cut.value = True
     assert viewer.section.on
     viewer.key("x")

@@ -16,7 +16,7 @@ import ipywidgets
 
 from mechstyle.errors import MechStyleError
 from mechstyle_widgets.jupyter.language import word
-from mechstyle_widgets.jupyter.newest import Newest
+from mechstyle_widgets.jupyter.throttle import Newest
 
 _shown: dict[str, tuple[str, weakref.WeakSet[Any]]] = {}
 """By the id of a cell: the request that ran it last, and what it showed."""
@@ -76,18 +76,25 @@ def _png(drawn: Callable[[], bytes]) -> str:
     return ""
 
 
-def in_a_notebook() -> bool:
-    """Whether cells are run by a kernel, which may be gone one day while its notebook is still there."""
+def _shell() -> Any:
+    """What runs cells, None in plain Python."""
     with suppress(ModuleNotFoundError):
         from IPython import get_ipython  # noqa: PLC0415 — as above
 
-        return hasattr(get_ipython(), "kernel")
-    return False
+        return get_ipython()
+    return None
+
+
+def in_a_notebook() -> bool:
+    """Whether cells are run by a kernel, which may be gone one day while its notebook is still there."""
+    return hasattr(_shell(), "kernel")
 
 
 def replace_last_run(widget: ipywidgets.Widget) -> None:
     """Note that the running cell shows `widget`, and close what an earlier run of it showed; outside a notebook nothing happens."""
-    cell, request = _here()
+    shell = _shell()
+    running = shell.get_parent() if hasattr(shell, "get_parent") else {}
+    cell, request = running.get("metadata", {}).get("cellId", ""), running.get("header", {}).get("msg_id", "")
     if not cell:
         return
     last, shown = _shown.get(cell, ("", weakref.WeakSet()))
@@ -98,14 +105,3 @@ def replace_last_run(widget: ipywidgets.Widget) -> None:
         shown = weakref.WeakSet()
     shown.add(widget)
     _shown[cell] = (request, shown)
-
-
-def _here() -> tuple[str, str]:
-    """The ids of the running cell and of the request that runs it, both "" outside a notebook."""
-    try:
-        from IPython import get_ipython  # noqa: PLC0415 — there only if a notebook is
-    except ModuleNotFoundError:
-        return "", ""
-    shell = get_ipython()
-    parent = shell.get_parent() if hasattr(shell, "get_parent") else {}
-    return parent.get("metadata", {}).get("cellId", ""), parent.get("header", {}).get("msg_id", "")

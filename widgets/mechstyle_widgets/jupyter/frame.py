@@ -3,19 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from importlib.resources import files
 from typing import Any
 
 import ipywidgets
 import traitlets
 
 from mechstyle_widgets.jupyter.language import word
-from mechstyle_widgets.jupyter.page_widget import PageWidget
+from mechstyle_widgets.jupyter.page_widget import PageWidget, static
 from mechstyle_widgets.jupyter.terms import terms
-
-
-def _static(name: str) -> str:
-    return files("mechstyle_widgets.jupyter").joinpath("static", name).read_text(encoding="utf-8")
 
 
 class Frame(PageWidget):
@@ -29,7 +24,7 @@ class Frame(PageWidget):
         terms: Words that explain themselves, in the language spoken.
     """
 
-    _esm, _css = _static("terms.js") + _static("frame.js"), _static("frame.css")
+    _esm, _css = static("jupyter", "terms.js") + static("jupyter", "frame.js"), static("jupyter", "frame.css")
     size = traitlets.List(traitlets.Int(), []).tag(sync=True)
     dark = traitlets.Bool(False).tag(sync=True)
     calm = traitlets.Bool(False).tag(sync=True)

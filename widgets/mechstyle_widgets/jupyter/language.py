@@ -88,7 +88,6 @@ def worded(traits: dict[str, Any]) -> dict[str, Any]:
 
 
 def _options(options: Any) -> Any:
-    """Options whose labels are in the language spoken."""
     if isinstance(options, dict):
         return {word(label): value for label, value in options.items()}
     if not isinstance(options, Sequence):

@@ -12,7 +12,13 @@ import traitlets
 
 from mechstyle_widgets.jupyter.language import in_page
 
-_HEARING = files("mechstyle_widgets.jupyter").joinpath("static", "hearing.js").read_text(encoding="utf-8")
+
+def static(room: str, name: str) -> str:
+    """The text of a file for pages."""
+    return files(f"mechstyle_widgets.{room}").joinpath("static", name).read_text(encoding="utf-8")
+
+
+_HEARING = static("jupyter", "hearing.js")
 
 
 class PageWidget(anywidget.AnyWidget):

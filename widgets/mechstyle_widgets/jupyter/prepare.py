@@ -14,20 +14,10 @@ from mechstyle.simulation.part import Relief, Shape, Stage, Workpiece, prepare, 
 from mechstyle_widgets.jupyter.worker_process import Aside
 
 
-def prepare_aside(
-    mesh: SurfaceMesh, vertices: int, stage: Stage, go_on: CancelCheck, relief: Relief | None = None
-) -> Workpiece:
-    """As `simulation.part.prepare`, in another process.
+def prepare_aside(mesh: SurfaceMesh, vertices: int, stage: Stage, go_on: CancelCheck, relief: Relief | None = None) -> Workpiece:
+    """As `simulation.part.prepare`, in another process; what `go_on`, called ten times a second, raises ends the work.
 
-    Args:
-        mesh: A closed surface [mm].
-        vertices: Vertices of the standardised surface.
-        stage: Called with what is being done, in words.
-        go_on: Called ten times a second; what it raises ends the work.
-        relief: The finished relief it is to carry, by a function that can be pickled; None for none.
-
-    Raises:
-        MechStyleError: What the preparation itself refuses, in its own words.
+    `relief`, the finished relief the part is to carry, is a function that can be pickled.
     """
     for word in Aside(_prepare, mesh, vertices, relief).said(go_on):
         if isinstance(word, Workpiece):
@@ -42,14 +32,9 @@ def _prepare(say: Callable[[object], None], mesh: SurfaceMesh, vertices: int, re
 
 
 def shape_aside(mesh: SurfaceMesh, vertices: int, go_on: Callable[[], None]) -> Shape:
-    """A part as far as a style needs it ready, remeshed in another process: that would keep the kernel from answering.
+    """A part as far as a style needs it ready, remeshed in another process; what `go_on` raises ends the work.
 
     What was remeshed before needs no process, which takes two seconds to begin.
-
-    Args:
-        mesh: A closed surface [mm].
-        vertices: Vertices of the standardised surface.
-        go_on: Called ten times a second; what it raises ends the work.
     """
     known = standardised_before(mesh, vertices)
     if known is not None:

@@ -21,17 +21,7 @@ OTHER = "#d55e00"  # vermilion of Okabe and Ito, not the accent to the colour-bl
 
 @dataclass(frozen=True)
 class Frame:
-    """Frame of a drawing: from data to pixels.
-
-    Attributes:
-        low: Data at the left edge.
-        high: Data at the right edge.
-        top: Data at the upper edge; the lower one is 0.
-        width: Of the drawing [pixels].
-        height: Of the drawing [pixels].
-        left: Margin [pixels].
-        above: Margin [pixels].
-    """
+    """Frame of a drawing: from data, `low` to `high` across and 0 to `top` up, to pixels inside its margins."""
 
     low: float
     high: float

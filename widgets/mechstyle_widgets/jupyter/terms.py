@@ -46,9 +46,10 @@ INK, FAINT, ACCENT, OVER = (
 
 def terms() -> dict[str, list[str]]:
     """By what stands on screen in small letters, the word, its sentence and its picture as SVG, all in the language spoken."""
-    taught = {key: [said(sentence), _captioned(PICTURES.get(key, ""))] for key, (_, sentence) in WORDS.items()}
-    found: dict[str, list[str]] = {}
-    for key, (names, _) in WORDS.items():
+    taught, found = dict[str, list[str]](), dict[str, list[str]]()
+    for key, (names, sentence) in WORDS.items():
+        picture = re.sub("([^<>]+)</text>", lambda caption: f"{word(caption[1])}</text>", PICTURES.get(key, ""))
+        taught[key] = [said(sentence), picture]
         shown = ", ".join(map(_called, names.split(", ")))
         found |= {_called(one).lower(): [shown, *taught[key]] for one in names.replace(" · ", ", ").split(", ")}
     return found | {_called(label).lower(): [_called(label), *taught[key]] for label, key in ALSO.items()}
@@ -57,11 +58,6 @@ def terms() -> dict[str, list[str]]:
 def _called(label: str) -> str:
     """What a label is called, which may begin a line, where it has a capital."""
     return " · ".join(word(one) if word(one) != one else word(one.capitalize()) if one.islower() else one for one in label.split(" · "))
-
-
-def _captioned(picture: str) -> str:
-    """A picture whose captions are in the language spoken."""
-    return re.sub("([^<>]+)</text>", lambda caption: f"{word(caption[1])}</text>", picture)
 
 
 def _picture(*parts: str) -> str:

@@ -3,8 +3,13 @@
 from __future__ import annotations
 
 import asyncio
+import threading
 import time
 from collections.abc import Callable
+from functools import partial
+from typing import Generic, TypeVar
+
+T = TypeVar("T")
 
 SHORTEST_WAIT = 0.1
 """Between two updates of a picture [s]."""
@@ -18,6 +23,27 @@ def running_loop() -> asyncio.AbstractEventLoop | None:
         return None
 
 
+def in_a_thread(
+    loop: asyncio.AbstractEventLoop | None, work: Callable[[], T], bring: Callable[[T], object], failed: Callable[[Exception], object]
+) -> None:
+    """Work in a thread and bring what came of it, the answer or an error, to an event loop; at once where there is none."""
+
+    def worked() -> None:
+        try:
+            tell: Callable[[], object] = partial(bring, work())
+        except Exception as error:  # noqa: BLE001 — whoever waits hears of it
+            tell = partial(failed, error)
+        if loop is None:
+            tell()
+        elif not loop.is_closed():
+            loop.call_soon_threadsafe(tell)
+
+    if loop is None:
+        worked()
+    else:
+        threading.Thread(target=worked, name="mechstyle", daemon=True).start()
+
+
 class Timer:
     """Calls a function on an event loop after a while, from whichever thread it is asked to.
 
@@ -27,16 +53,12 @@ class Timer:
 
     def __init__(self, loop: asyncio.AbstractEventLoop, wait: float, act: Callable[[], None]) -> None:
         """Call `act` after `wait` seconds."""
-        self._act, self._cancelled = act, False
-        loop.call_soon_threadsafe(loop.call_later, wait, self._fire)
+        self._cancelled = False
+        loop.call_soon_threadsafe(loop.call_later, wait, lambda: None if self._cancelled else act())
 
     def cancel(self) -> None:
         """Do not call it."""
         self._cancelled = True
-
-    def _fire(self) -> None:
-        if not self._cancelled:
-            self._act()
 
 
 class Paced:
@@ -75,3 +97,55 @@ class Paced:
                 raise
             self._failed(error)
         self._acted = time.monotonic()  # what acts for long leaves the loop time for others all the same
+
+
+Wish = TypeVar("Wish")
+Answer = TypeVar("Answer")
+
+
+class Newest(Generic[Wish, Answer]):
+    """A function at work in a thread, one wish at a time; of those that come meanwhile the last counts.
+
+    Where no event loop is running, as in plain Python, it works at once.
+    """
+
+    def __init__(
+        self, work: Callable[[Wish], Answer], bring: Callable[[Wish, Answer], None], failed: Callable[[Exception], None] | None = None
+    ) -> None:
+        """Work with `work`, which must touch no trait, and hand wish and answer to `bring` on the event loop, an error to `failed`."""
+        self._work, self._bring, self._failed = work, bring, failed
+        self._next: Wish | None = None
+        self._busy, self._cancelled = False, False
+
+    def ask(self, wish: Wish) -> None:
+        """Work on a wish, after the one in hand."""
+        loop = running_loop()
+        if loop is None:
+            self._bring(wish, self._work(wish))
+        elif self._busy:
+            self._next = wish
+        else:
+            self._begin(loop, wish)
+
+    def cancel(self) -> None:
+        """Want nothing any more, from now on."""
+        self._next, self._cancelled = None, True
+
+    def _begin(self, loop: asyncio.AbstractEventLoop, wish: Wish) -> None:
+        self._busy = True
+        in_a_thread(
+            loop, partial(self._work, wish), lambda answer: self._end(loop, partial(self._bring, wish, answer)),
+            lambda error: self._end(loop, partial(self._fail, error)),
+        )  # fmt: skip
+
+    def _end(self, loop: asyncio.AbstractEventLoop, tell: Callable[[], None]) -> None:
+        wish, self._next, self._busy = self._next, None, False
+        if wish is not None:
+            self._begin(loop, wish)
+        if not self._cancelled:
+            tell()
+
+    def _fail(self, error: Exception) -> None:
+        if self._failed is None:
+            raise error
+        self._failed(error)

@@ -34,13 +34,9 @@ class Aside:
         self._thread.start()
 
     def said(self, go_on: Callable[[], object] = lambda: None) -> Iterator[Any]:
-        """Yield its messages as they come, until it ends or is stopped.
+        """Yield its messages as they come, until it ends or is stopped; what it raised is raised here.
 
-        Args:
-            go_on: Called ten times a second while waiting; what it raises stops the work.
-
-        Raises:
-            MechStyleError: What the function raised.
+        `go_on` is called ten times a second while waiting; what that raises stops the work.
         """
         try:
             while True:

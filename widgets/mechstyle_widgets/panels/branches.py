@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from html import escape
@@ -21,8 +22,8 @@ from mechstyle.runs.run import Run
 from mechstyle_widgets.jupyter.frame import unseen
 from mechstyle_widgets.jupyter.language import said as translated
 from mechstyle_widgets.jupyter.language import word
-from mechstyle_widgets.jupyter.looks import lean, show
-from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, Section, Words, table
+from mechstyle_widgets.jupyter.looks import lean, show, unheard
+from mechstyle_widgets.settings.section import WIDE, Section, Words, control, table
 from mechstyle_widgets.state.controller import Controller
 from mechstyle_widgets.state.outcomes import LOOKS
 from mechstyle_widgets.state.studio_state import FREE
@@ -48,7 +49,7 @@ class Branches(Section):
         lanes = lean(ipywidgets.Select, options=[], rows=4, description="lanes", tooltip="Lanes; choose one to show it", layout=WIDE)
         self._choice = unseen(lanes)
         self._changes = lean(Words)
-        self._name = lean(ipywidgets.Text, description="new lane", placeholder="named by number", style=NARROW_LABEL, layout=WIDE)
+        self._name = control(ipywidgets.Text, "new lane", placeholder="named by number")
         self._branch = lean(
             ipywidgets.Button,
             icon="code-fork", layout=WIDE, tooltip="A new lane from this iteration, with the settings at the left"
@@ -65,7 +66,7 @@ class Branches(Section):
         self._also.on_click(lambda _: self.keep_beside())
         self.state.observe(self._list, ("branches", "lane"))
         self.state.observe(self._redraw, ("checkpoint", "status", "settings"))
-        self.state.observe(self._forget, "run")
+        self.state.observe(self._unpin, "run")
         self.state.observe(lambda _: self.complain(""), ("lane", "iteration", "settings"))
         self.observe(self._redraw, ("pinned", "third"))
         self._list()
@@ -140,7 +141,7 @@ class Branches(Section):
         judged = [(side, verdict) for side, verdict in sides if verdict is not None and verdict.outcome != "UNKNOWN"]
         if len(judged) < 2:
             return None
-        (run, _, checkpoint), verdict = min(judged, key=lambda one: _reserve(one[1]))
+        (run, _, checkpoint), verdict = min(judged, key=lambda one: one[1].deciding.reserve if one[1].deciding else math.inf)
         vertex = worst_vertex(checkpoint)
         called = self.state.called
         each = [(called(one.lane), stress(its.strength, its.deciding).of(state)) for (one, _, state), its in judged]
@@ -159,20 +160,19 @@ class Branches(Section):
         return sentences.side_by_side(names, (one.verdict, other.verdict), (share_kept(free, one), share_kept(fed, other)))
 
     def _list(self, _change: object = None) -> None:
-        self._choice.unobserve(self._choose, "value")
-        lines = [(_line(branch, self.state.histories[branch.lane], self.state.called), branch.lane) for branch in self.state.branches]
-        self._choice.options = lines
         names = [branch.lane for branch in self.state.branches]
-        self._choice.value = self.lane if self.lane in names else None
-        self._choice.rows = min(max(len(names), 2), 6)
-        self._choice.observe(self._choose, "value")
+        with unheard(self._choice, self._choose):
+            histories, called = self.state.histories, self.state.called
+            self._choice.options = [(_line(one, histories[one.lane], called), one.lane) for one in self.state.branches]
+            self._choice.value = self.lane if self.lane in names else None
+            self._choice.rows = min(max(len(names), 2), 6)
         shown = next((branch for branch in self.state.branches if branch.lane == self.lane), None)
         rows = [(name.replace("_", " "), said(before), said(after)) for name, before, after in shown.changes] if shown else []
         self._changes.say(table(("changed", shown.parent if shown else "", self.lane), rows) if rows else "")
         self._redraw()
 
-    def _forget(self, change: dict[str, Any]) -> None:
-        """Unpin: a pinned iteration belongs to the run it was pinned in."""
+    def _unpin(self, change: dict[str, Any]) -> None:
+        """A pinned iteration belongs to the run it was pinned in."""
         if change["old"] is not None and change["new"] is not None and change["old"].store.place != change["new"].store.place:
             self.pinned = self.third = None
 
@@ -186,26 +186,20 @@ class Branches(Section):
         self._branch.description = word("branch from iteration {}").format(state.iteration)
         self._branch.disabled = nothing or state.status in ("preparing", "running", "paused")
         again = self.pinned == (state.lane, state.iteration)
-        pin = word("stop comparing") if again else word("compare others with iteration {}").format(state.iteration)
-        self._pin.description = pin
+        self._pin.description = word("stop comparing") if again else word("compare others with iteration {}").format(state.iteration)
         self._pin.disabled = nothing
         keep = word("keep {} · {} in a third pane").format(state.called(state.lane), state.iteration)
         self._also.description = word("two panes again") if self.third else keep
         show(self._also, self.pinned is not None)
         rows, decisive = self.comparison(), self.decisive()
-        head = _on_show_first(("", *(f"{state.called(lane)} · {iteration}" for lane, iteration in self.places)))
+        lines = [("", *(f"{state.called(lane)} · {iteration}" for lane, iteration in self.places)), *rows]
+        head, *body = [(cells[0], *cells[-1:], *cells[1:-1]) for cells in lines]  # as the panes stand, what is on show at the left
         why = f'<div class="mechstyle-note">{escape(translated(decisive[1]))}</div>' if decisive else ""
-        self._comparison.say(why + table(head, [_on_show_first(row) for row in rows]) if rows else "")
+        self._comparison.say(why + table(head, body) if rows else "")
         self.note(word("Nothing to branch from yet: run something first.") if nothing else "")
 
 
-def _on_show_first(cells: Sequence[str]) -> tuple[str, ...]:
-    """Cells of a table as the panes stand: what is on show at the left."""
-    return (cells[0], *cells[-1:], *cells[1:-1])
-
-
 def _line(branch: Branch, rows: Sequence[Row], called: Callable[[str], str]) -> str:
-    """A lane in one line, with the mark of its newest outcome."""
     outcome = next((row.outcome for row in reversed(rows) if row.outcome), "")
     where = f"{branch.iteration} of {branch.iterations}" if branch.iteration < branch.iterations else f"{branch.iterations} iterations"
     origin = f", from {called(branch.parent)} at {branch.forked_at}" if branch.forked_at is not None and branch.parent else ""
@@ -234,13 +228,6 @@ def results(run: Run, row: Row, checkpoint: Checkpoint) -> dict[str, str]:
 def said_of(verdict: Verdict) -> str:
     """An outcome with its mark, and whether it is sure, as a table cell."""
     return f"{LOOKS[verdict.outcome].mark}\N{NO-BREAK SPACE}{sentences.marked(verdict.outcome, sure=verdict.sure)}"
-
-
-def _reserve(verdict: Verdict) -> float:
-    """Least reserve of the tests that decide."""
-    row = verdict.deciding
-    assert row is not None, "asked of an answer"
-    return row.reserve
 
 
 def kept(run: Run, row: Row) -> str:

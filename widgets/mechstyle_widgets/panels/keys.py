@@ -14,19 +14,19 @@ class Keys:
 
     def __init__(self, studio: Any) -> None:
         """Work a Studio."""
-        self._studio, controller, branches = studio, studio.controller, studio.branches
+        self._studio, controller, branches, picker = studio, studio.controller, studio.branches, studio.regions_picker
         self._acts: dict[str, Callable[[], object]] = {
             "r": controller.run,
             ".": controller.step,
             ">": controller.step_to_simulation,
             " ": controller.pause,
             "n": branches.branch,
-            "c": self._compare,
+            "c": lambda: branches.pin() if studio.state.checkpoint is not None else None,
             "i": self._impact,
             "w": studio.show_mask,
             "z": studio.step_back,
             "y": lambda: studio.step_back(forward=True),
-            "p": self._paint,
+            "p": lambda: setattr(picker, "paint", not picker.paint),
         }
 
     def __call__(self, key: str) -> None:
@@ -43,15 +43,8 @@ class Keys:
         elif viewer is not None and (key == "1" or viewer.subject.layer(LAYERS[key]) is not None):
             viewer.layer = LAYERS[key]
 
-    def _compare(self) -> None:
-        if self._studio.state.checkpoint is not None:
-            self._studio.branches.pin()
-
     def _impact(self) -> None:
         """Show the impact, or the part at rest again, also while it is being worked out."""
         player = getattr(self._studio.viewer, "player", None)
         if player is not None:
             (player.put_away if player.working or player.impact is not None else player.play)()
-
-    def _paint(self) -> None:
-        self._studio.regions_picker.paint = not self._studio.regions_picker.paint

@@ -20,12 +20,11 @@ from mechstyle.runs.run import Run
 from mechstyle.simulation.part import bounds_for
 from mechstyle_widgets.jupyter.frame import unseen
 from mechstyle_widgets.jupyter.language import word
-from mechstyle_widgets.jupyter.looks import lean, show
+from mechstyle_widgets.jupyter.looks import lean, show, unheard
 from mechstyle_widgets.jupyter.svg import Frame, drawing, shares
 from mechstyle_widgets.jupyter.throttle import Paced
 from mechstyle_widgets.settings.control import ControlSelector
-from mechstyle_widgets.settings.group import Fold
-from mechstyle_widgets.settings.section import WIDE, Section, Words
+from mechstyle_widgets.settings.section import WIDE, Fold, Section, Words
 from mechstyle_widgets.state.controller import Controller
 from mechstyle_widgets.viewer.layers import Layer, layer_of
 
@@ -51,7 +50,8 @@ class MaskInspector(Section):
     def __init__(self, controller: Controller) -> None:
         """Inspect what a controller's state shows."""
         self.controller, self.state = controller, controller.state
-        self._freedom, self._original = lru_cache(maxsize=4)(_freedom), lru_cache(maxsize=4)(_original)
+        self._freedom = lru_cache(maxsize=4)(_freedom)
+        self._original = lru_cache(maxsize=4)(lambda run: run.store.objects.get_record(run.checkpoint(0).simulation, Simulation))
         self.selector = ControlSelector()
         self._plots = Words(layout=WIDE)
         self._show_layer = lean(
@@ -74,7 +74,7 @@ class MaskInspector(Section):
         buttons = lean(ipywidgets.HBox, [self._show_layer, self._use], layout=WIDE)
         self._asked = lean(ipywidgets.VBox, [slider, buttons])
         super().__init__([self._asked])
-        self._more = Fold("more of this", [self.selector, self._plots])
+        self._more = Fold("more of this", lean(ipywidgets.VBox, [self.selector, self._plots]))
         self.children = (*self.children, self._more)  # below what is said of it
         traitlets.link((self.selector, "threshold"), (self._slider, "value"))
         self._slider.observe(self._slid, "value")
@@ -112,9 +112,12 @@ class MaskInspector(Section):
 
     def mask(self, run: Run, checkpoint: Checkpoint, **settings: Any) -> Field:
         """The mask that settings make of a checkpoint's stress, as a branch from there would begin with, shape [vertex_count]."""
-        recipe = run.recipe.with_settings(**settings)
-        tested = self.state.simulation(run.store, checkpoint)
-        return mask_of(tested, self._original(run), recipe) * self._freedom(run, run.recipe)
+        recipe, freedom = run.recipe.with_settings(**settings), self._freedom(run, run.recipe)
+        tested, original = self.state.simulation(run.store, checkpoint), self._original(run)
+        if tested.failure or original.failure:  # it restrains nothing without an answer
+            return freedom
+        demand = control.demand(tested, original, recipe)
+        return control.mask(demand, recipe.restraint.control, recipe.restraint.threshold) * freedom
 
     def use(self) -> None:
         """Branch with the settings that are tried, from the iteration on show; at the end from the first test at which they matter."""
@@ -138,7 +141,13 @@ class MaskInspector(Section):
         """Iteration from which a branch with the settings that are tried goes on, None for none."""
         if self._in_force(run):
             return None
-        return self.state.iteration if self.state.iteration < self.state.length else self._first_difference(run)
+        if self.state.iteration < self.state.length:
+            return self.state.iteration
+        for row in self.state.history:  # the first test after which they would hold something back otherwise
+            there = self.state.checkpoint_at(row.iteration) if row.verdict is not None and row.iteration < self.state.length else None
+            if there is not None and not np.allclose(self.mask(run, there, **self.settings), there.mask, atol=0.01):
+                return row.iteration
+        return None
 
     def _slid(self, _change: object) -> None:
         """Somebody tries another threshold: the mask it would make grows and shrinks on the part."""
@@ -146,14 +155,6 @@ class MaskInspector(Section):
         if run is not None and self.state.checkpoint is not None and not self._in_force(run):
             self.selector.freestyle = False
             self.state.layer = LAYER
-
-    def _first_difference(self, run: Run) -> int | None:
-        """First tested iteration after which the settings that are tried would hold something back otherwise, None if there is none."""
-        for row in self.state.history:
-            there = self.state.checkpoint_at(row.iteration) if row.verdict is not None and row.iteration < self.state.length else None
-            if there is not None and not np.allclose(self.mask(run, there, **self.settings), there.mask, atol=0.01):
-                return row.iteration
-        return None
 
     def _restore(self, _change: object = None) -> None:
         """Try the settings in force, whenever another run or lane comes into view."""
@@ -168,8 +169,8 @@ class MaskInspector(Section):
     def _redraw(self, _change: object = None) -> None:
         run, checkpoint = self.state.run, self.state.checkpoint
         self._use.disabled = self._show_layer.disabled = run is None or checkpoint is None
-        show(self._asked, not self._use.disabled)
-        show(self._more, not self._use.disabled)
+        for widget in (self._asked, self._more):
+            show(widget, not self._use.disabled)
         if run is None or checkpoint is None:
             self.would_be = None
             self._plots.say("")
@@ -185,28 +186,8 @@ class MaskInspector(Section):
         self.state.layer = LAYER if change["new"] else RESTRAINT.name
 
     def _follow_layer(self, change: dict[str, Any]) -> None:
-        self._show_layer.unobserve(self._switch, "value")
-        self._show_layer.value = change["new"] == LAYER
-        self._show_layer.observe(self._switch, "value")
-
-
-def mask_of(simulation: Simulation, original: Simulation, recipe: Recipe) -> Field:
-    """The mask a recipe makes of a simulation, protection left out, shape [vertex_count]; it restrains nothing without an answer.
-
-    Args:
-        simulation: What was tested.
-        original: The unstylized part.
-        recipe: Gives strategy, normalisation, threshold and material.
-    """
-    if simulation.failure or original.failure:
-        return np.ones(len(simulation.displacement), np.float32)
-    demand = control.demand(simulation, original, recipe)
-    return control.mask(demand, recipe.restraint.control, recipe.restraint.threshold)
-
-
-def _original(run: Run) -> Simulation:
-    """The simulation of the unstylized part."""
-    return run.store.objects.get_record(run.checkpoint(0).simulation, Simulation)
+        with unheard(self._show_layer, self._switch):
+            self._show_layer.value = change["new"] == LAYER
 
 
 def _freedom(run: Run, recipe: Recipe) -> Field:

@@ -5,11 +5,10 @@ from __future__ import annotations
 import shutil
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 from functools import partial
 from html import escape
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import ipywidgets
 
@@ -18,7 +17,7 @@ from mechstyle.records import Verdict, sentences
 from mechstyle.runs.run import Run
 from mechstyle_widgets.jupyter.language import said, word
 from mechstyle_widgets.jupyter.looks import lean, sharing
-from mechstyle_widgets.jupyter.newest import Newest
+from mechstyle_widgets.jupyter.throttle import Newest
 from mechstyle_widgets.panels.branches import said_of
 from mechstyle_widgets.settings.section import WIDE, Section, Words, table
 from mechstyle_widgets.settings.thumbnails import SIZE, png
@@ -31,16 +30,8 @@ MOST = 12
 """Runs that are shown."""
 
 
-@dataclass(frozen=True)
-class Found:
-    """A run as the list shows it.
-
-    Attributes:
-        place: Its folder.
-        title: Part and style.
-        outcome: What came of it, "" before there was a test.
-        picture: PNG, nothing before there is an iteration.
-    """
+class Found(NamedTuple):
+    """A run as the list shows it; outcome and picture (PNG) are empty before there is one."""
 
     place: Path
     title: str
@@ -55,7 +46,9 @@ class MyRuns(Section):
         """List the runs of this notebook; `take` shows one."""
         self._state, self._take = state, take
         self._rows, self._beside = lean(ipywidgets.VBox, []), lean(Words, layout=WIDE)
-        self._newest: Newest[list[Path], list[Found]] = Newest(_read_all, self._show, state.alert)
+        self._newest: Newest[list[Path], list[Found]] = Newest(
+            lambda places: [found for place in places if (found := read(place)) is not None], self._show, state.alert
+        )
         self._sure: Path | None = None
         super().__init__([self._rows, self._beside])
 
@@ -145,10 +138,6 @@ class MyRuns(Section):
             if (place / "part.json").is_file():  # a folder of something else is left alone
                 shutil.rmtree(place)
             self.look()
-
-
-def _read_all(places: Sequence[Path]) -> list[Found]:
-    return [found for place in places if (found := read(place)) is not None]
 
 
 def read(place: Path) -> Found | None:

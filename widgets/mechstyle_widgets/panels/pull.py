@@ -16,7 +16,7 @@ from mechstyle.records.regions import Point
 from mechstyle_widgets.jupyter.language import word
 from mechstyle_widgets.jupyter.looks import lean, show
 from mechstyle_widgets.settings.drop import DropOptions
-from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, Section
+from mechstyle_widgets.settings.section import WIDE, Section, linked
 from mechstyle_widgets.viewer.viewer import Viewer
 
 AXES = {"down": (0, 0, -1), "up": (0, 0, 1), "along x": (1, 0, 0), "against x": (-1, 0, 0), "along y": (0, 1, 0), "against y": (0, -1, 0)}
@@ -46,10 +46,9 @@ class PullHere(Section):
     def __init__(self, options: DropOptions, seen: Callable[[], Viewer | None]) -> None:
         """Add to the loads of a drop test; `seen` gives the view that is clicked in."""
         self._options, self._seen = options, seen
-        look = {"style": NARROW_LABEL, "layout": WIDE}
-        force = lean(ipywidgets.BoundedFloatText, description="force [N]", min=0.1, max=1e5, step=10.0, **look)
+        force = linked(self, "force", ipywidgets.BoundedFloatText, "force [N]", min=0.1, max=1e5, step=10.0)
         ways = [(one, one) for one in self.traits()["towards"].values]
-        towards = lean(ipywidgets.Dropdown, options=ways, description="which way", **look)
+        towards = linked(self, "towards", ipywidgets.Dropdown, "which way", options=ways)
         half = {"width": "50%"}
         what = "The part must carry this besides the fall"
         add = lean(ipywidgets.Button, description="pull here", icon="long-arrow-right", tooltip=what, layout=half)
@@ -57,8 +56,6 @@ class PullHere(Section):
         hold = lean(ipywidgets.Button, description="hold it here", icon="lock", tooltip=what, layout=half)
         self._controls = lean(ipywidgets.VBox, [force, towards, lean(ipywidgets.HBox, [add, hold], layout=WIDE)])
         super().__init__([self._controls])
-        traitlets.link((self, "force"), (force, "value"))
-        traitlets.link((self, "towards"), (towards, "value"))
         add.on_click(lambda _: self.pull())
         hold.on_click(lambda _: self.hold())
         options.observe(self._tell, "loads")
@@ -89,7 +86,6 @@ class PullHere(Section):
         self.held = None if self.held == self.place else self.place
 
     def _direction(self, viewer: Viewer) -> Floats:
-        """Unit vector of the force."""
         if self.towards in AXES:
             return np.asarray(AXES[self.towards], np.float64)
         if self.towards == EYE:

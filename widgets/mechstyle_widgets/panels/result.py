@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from html import escape
 from typing import Any
 
 from mechstyle.errors import MechStyleError
-from mechstyle.loop.history import Row, standing
+from mechstyle.loop.history import standing
 from mechstyle.records import Verdict, sentences
 from mechstyle.runs.run import Run
 from mechstyle_widgets.jupyter.language import said, word
@@ -36,7 +36,8 @@ class Result(Words):
         if self._state.run is not None and any(row.verdict is not None for row in history):
             _, verdict = standing(history)
             head = word("Last run: {}").format(self._state.title) if self._state.another else word("Result")
-            self.say(f"<b>{escape(head)}</b>{of_verdict(verdict)}{self._lanes()}{self._weight()}{self._notes()}")
+            lanes = list(self._judged())
+            self.say(f"<b>{escape(head)}</b>{of_verdict(verdict)}{table(LANES, lanes) if lanes else ''}{self._weight()}{self._notes()}")
         else:
             items = "".join(f"<li>{escape(said(step))}</li>" for step in steps(self._state.settings))
             self.say(f"<b>{escape(word('What will happen'))}</b><ol>{items}</ol>")
@@ -64,19 +65,14 @@ class Result(Words):
                 return f'<details class="mechstyle-note">{head}<ul>{items}</ul></details>' if items else ""
         return ""
 
-    def _lanes(self) -> str:
-        """HTML of outcome and relief kept of each lane that was tested since it began, "" where none was."""
-        rows = [(lane, *cells) for lane, cells in self._judged()]
-        return table(LANES, rows) if rows else ""
-
-    def _judged(self) -> Iterator[tuple[str, tuple[str, ...]]]:
-        """Name and cells of each lane that was tested since it began."""
+    def _judged(self) -> Iterator[tuple[str, str, str]]:
+        """Name, outcome and relief kept of each lane that was tested since it began."""
         run = self._state.run
         for lane, rows in self._state.histories.items():
-            tested: Sequence[Row] = [row for row in rows if row.verdict is not None and row.iteration > 0]
+            tested = [row for row in rows if row.verdict is not None and row.iteration > 0]
             if tested and run is not None:
                 row, verdict = standing(tested)
-                yield self._state.called(lane), (said_of(verdict), kept(Run(run.store, lane, run.device), row))
+                yield self._state.called(lane), said_of(verdict), kept(Run(run.store, lane, run.device), row)
 
 
 def of_verdict(verdict: Verdict) -> str:
@@ -97,19 +93,12 @@ def steps(settings: Mapping[str, Any]) -> list[str]:
     others = settings.get("orientations", 1) - 1
     ways = ["flat", *(["nearly flat"] if settings.get("nearly_flat", True) else [])]
     ways += [f"in {others} other landing{'s' if others > 1 else ''}"] if others else []
-    carried = ", and load it" if loads else ""
+    how = " and ".join(filter(None, (", ".join(ways[:-1]), ways[-1])))
+    carried, times = ", and load it" if loads else "", "once" if between == 1 else f"{between} times"
     return [
         *([f"Thicken it by up to {budget:g} mm where it does not hold as it is"] if budget else []),
-        f"Drop the plain part {_listed(ways)}{carried}",
+        f"Drop the plain part {how}{carried}",
         f"Style it in {plan.places[-1]} small steps",
-        *([f"Drop it on the way, {about}{_times(between)}, in {landings} landing{'s' if landings > 1 else ''}"] if between else []),
-        f"Drop what has come of it {_listed(ways)}{carried}",
+        *([f"Drop it on the way, {about}{times}, in {landings} landing{'s' if landings > 1 else ''}"] if between else []),
+        f"Drop what has come of it {how}{carried}",
     ]
-
-
-def _times(count: int) -> str:
-    return "once" if count == 1 else f"{count} times"
-
-
-def _listed(words: Sequence[str]) -> str:
-    return " and ".join(filter(None, (", ".join(words[:-1]), words[-1])))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from html import escape
 from typing import Any
 
@@ -16,6 +17,15 @@ from mechstyle_widgets.jupyter.looks import lean, show
 from mechstyle_widgets.settings.section import WIDE, Section
 from mechstyle_widgets.state.controller import Controller
 
+BUTTONS = {
+    "run": ("play", "Run", "84px", "Run to the end, or go on"),
+    "both": ("columns", "Both", "76px", "MechStyle to the end, then Freestyle beside it"),
+    "pause": ("pause", "", "44px", "Pause after the iteration in hand"),
+    "step": ("step-forward", "", "44px", "One iteration, then pause"),
+    "step_to_simulation": ("fast-forward", "", "44px", "On to the next simulation, then pause"),
+    "stop": ("stop", "", "44px", "Stop; what was made is kept"),
+}
+"""Icon, words, width and tooltip of each button, by the method of the controller it calls."""
 MAY = {
     "run": ("idle", "paused", "stopped", "finished", "failed"),
     "both": ("idle", "stopped", "finished", "failed"),
@@ -29,8 +39,6 @@ GOES_ON = ("paused", "stopped", "failed")
 """In which states running is going on, unless the settings ask for another run."""
 AT_REST = ("idle", "stopped", "finished", "failed")
 """In which states nothing is in hand."""
-
-
 FOLLOWED = (
     "status", "pausing", "stage", "step", "fraction", "seconds_left", "message", "alarming", "iterations_done", "run", "settings",
     "another", "outlook",
@@ -49,23 +57,21 @@ class RunControls(Section):
     words = traitlets.Unicode("")
     title = traitlets.Unicode("")
 
-    def __init__(self, controller: Controller) -> None:
-        """Bind the buttons to a controller."""
+    def __init__(self, controller: Controller, back: Callable[[], object] = lambda: None) -> None:
+        """Bind the buttons to a controller; `back` asks for the last run again."""
         self.controller, self.state = controller, controller.state
         self._buttons = {
-            "run": self._button("play", "Run", "Run to the end, or go on", "primary", "84px"),
-            "both": self._button("columns", "Both", "MechStyle to the end, then Freestyle beside it", width="76px"),
-            "pause": self._button("pause", "", "Pause after the iteration in hand"),
-            "step": self._button("step-forward", "", "One iteration, then pause"),
-            "step_to_simulation": self._button("fast-forward", "", "On to the next simulation, then pause"),
-            "stop": self._button("stop", "", "Stop; what was made is kept"),
+            name: lean(ipywidgets.Button, icon=icon, description=words, tooltip=tooltip, layout={"width": width})
+            for name, (icon, words, width, tooltip) in BUTTONS.items()
         }
+        self._buttons["run"].button_style = "primary"
         for name, button in self._buttons.items():
             button.on_click(lambda _, name=name: getattr(self.controller, name)())
         self._bar = lean(ipywidgets.FloatProgress, min=0.0, max=1.0, layout=WIDE)
         self._line = lean(ipywidgets.HTML)
         what = "Part and settings of the last run again"
         self._back = lean(ipywidgets.Button, description="Back to the last run", icon="undo", tooltip=what, layout={"width": "auto"})
+        self._back.on_click(lambda _: back())
         super().__init__([lean(ipywidgets.HBox, [*self._buttons.values(), self._back]), self._line, self._bar])
         self.add_class("mechstyle-run")
         for wide in (self._note, self._trouble):
@@ -74,10 +80,6 @@ class RunControls(Section):
         self.observe(self._show, "title")
         self._show()
 
-    def on_back(self, act: Callable[[], object]) -> None:
-        """What asks for the last run again."""
-        self._back.on_click(lambda _: act())
-
     def emphasise(self, filled: bool) -> None:
         """Fill the run button, or leave that to another; what it reads follows a part that was chosen, too."""
         self._buttons["run"].button_style = "primary" if filled else ""
@@ -85,18 +87,10 @@ class RunControls(Section):
 
     def _name(self) -> None:
         """Let the run button read what pressing it does."""
-        self._buttons["run"].description = word("Go on" if self._goes_on() else "Run")
-
-    def _goes_on(self) -> bool:
-        if self.state.status not in GOES_ON or self.state.run is None:
-            return False
-        try:
-            return not self.controller.asks_for_another()
-        except MechStyleError:  # nothing is begun; what is wrong is said where it is set
-            return True
-
-    def _button(self, icon: str, words: str, tooltip: str, look: str = "", width: str = "44px") -> ipywidgets.Button:
-        return lean(ipywidgets.Button, icon=icon, description=words, tooltip=tooltip, button_style=look, layout={"width": width})
+        goes_on = self.state.status in GOES_ON and self.state.run is not None
+        with suppress(MechStyleError):  # nothing is begun; what is wrong is said where it is set
+            goes_on = goes_on and not self.controller.asks_for_another()
+        self._buttons["run"].description = word("Go on" if goes_on else "Run")
 
     def _show(self, _change: Any = None) -> None:
         state = self.state

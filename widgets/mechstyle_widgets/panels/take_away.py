@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import tempfile
-import threading
 from collections.abc import Callable
 from functools import partial
 from html import escape
@@ -18,7 +17,7 @@ from mechstyle.runs.run import Run
 from mechstyle_widgets.jupyter.frame import Frame
 from mechstyle_widgets.jupyter.language import word
 from mechstyle_widgets.jupyter.looks import lean, show
-from mechstyle_widgets.jupyter.throttle import running_loop
+from mechstyle_widgets.jupyter.throttle import in_a_thread, running_loop
 from mechstyle_widgets.settings.section import Section
 from mechstyle_widgets.state.studio_state import StudioState
 from mechstyle_widgets.state.troubles import sentence
@@ -32,18 +31,19 @@ class TakeAway(Section):
     def __init__(self, state: StudioState, frame: Frame) -> None:
         """Offer what a state shows; files go by way of a frame."""
         self.state, self._frame, self._loop = state, frame, running_loop()
-        kinds = {
-            "3MF": (".3mf", "download", "The part in colour, for the slicer named beside it", self._printed),
-            "GLB": (".glb", "cube", "The part in colour, to look at and to share", self._exported),
-            "Report": (".html", "file-text-o", "The whole run as one page that opens offline", self._reported),
-            "Picture": (".png", "picture-o", "Style, stress and mask as a picture", self._pictured),
-        }
+        kinds: dict[str, tuple[str, str, str, Callable[[Run, int, Path], object]]] = {
+            "3MF": (".3mf", "download", "The part in colour, for the slicer named beside it",
+                    lambda run, at, path: run.export(path, at, printing=Printing(slicer=self._slicer.value))),
+            "GLB": (".glb", "cube", "The part in colour, to look at and to share", lambda run, at, path: run.export(path, at)),
+            "Report": (".html", "file-text-o", "The whole run as one page that opens offline", lambda run, _, path: run.report(path)),
+            "Picture": (".png", "picture-o", "Style, stress and mask as a picture", lambda run, at, path: run.show(at).save(path)),
+        }  # fmt: skip
         self._buttons = {name: self._button(name, icon, tooltip) for name, (_, icon, tooltip, _) in kinds.items()}
         self._tooltips = {name: word(tooltip) for name, (_, _, tooltip, _) in kinds.items()}
         for name, (suffix, _, _, make) in kinds.items():
             self._buttons[name].on_click(partial(self._begin, suffix, make))
         self._code = self._button("Copy as code", "code", "The lines of Python that make this run again")
-        self._code.on_click(lambda _: self._copy())
+        self._code.on_click(self._copy)
         self._slicer = lean(
             ipywidgets.Dropdown, options=SLICERS, description="for", style={"description_width": "initial"}, layout={"width": "auto"},
             tooltip="Whose 3MF it is: standard or prusa (one strict file), bambu or orca (another)",
@@ -69,7 +69,7 @@ class TakeAway(Section):
         return lean(ipywidgets.Button, description=name, icon=icon, tooltip=tooltip, layout={"width": "auto"})
 
     def _offer(self, _change: object = None) -> None:
-        """There is nothing to take before there is an iteration; where what is asked for is another, the button names whose file it is."""
+        """Nothing is to take before there is an iteration; where what is asked for is another, the button names whose file it is."""
         state = self.state
         show(self, state.checkpoint is not None)
         self.main.description = word("3MF of {}").format(state.title) if state.another else "3MF"
@@ -91,46 +91,24 @@ class TakeAway(Section):
             self._refuse(sentence(error, run.store.place))
             return
         self.note(f"making {name} …")
-        if self._loop is None:
-            self._work(run, iteration, name, make, lambda act, *given: act(*given))
-        else:
-            thread = threading.Thread(target=self._work, args=(run, iteration, name, make, self._loop.call_soon_threadsafe), daemon=True)
-            thread.start()
 
-    def _work(self, run: Run, iteration: int, name: str, make: Callable[[Run, int, Path], object], bring: Callable[..., object]) -> None:
-        """In the thread: make the file somewhere, and bring its bytes."""
-        try:
+        def made() -> bytes:
             with tempfile.TemporaryDirectory() as folder:
                 path = Path(folder) / name
                 make(run, iteration, path)
-                bring(self._hand_over, name, path.read_bytes())
-        except Exception as error:  # noqa: BLE001 — whatever it is, it is said
-            bring(self._refuse, sentence(error, run.store.place))
+                return path.read_bytes()
 
-    def _hand_over(self, name: str, data: bytes) -> None:
-        self._frame.hand_over(name, data, MEDIA[Path(name).suffix])
-        self.note(f"{name} is saved where the browser puts downloads")
+        def hand_over(data: bytes) -> None:
+            self._frame.hand_over(name, data, MEDIA[suffix])
+            self.note(f"{name} is saved where the browser puts downloads")
+
+        in_a_thread(self._loop, made, hand_over, lambda error: self._refuse(sentence(error, run.store.place)))
 
     def _refuse(self, why: str) -> None:
         self.note("")
         self.complain(why)
 
-    def _printed(self, run: Run, iteration: int, path: Path) -> None:
-        run.export(path, iteration, printing=Printing(slicer=self._slicer.value))
-
-    @staticmethod
-    def _exported(run: Run, iteration: int, path: Path) -> None:
-        run.export(path, iteration)
-
-    @staticmethod
-    def _reported(run: Run, _iteration: int, path: Path) -> None:
-        run.report(path)
-
-    @staticmethod
-    def _pictured(run: Run, iteration: int, path: Path) -> None:
-        run.show(iteration).save(path)
-
-    def _copy(self) -> None:
+    def _copy(self, _button: object) -> None:
         """Put the lines where the page keeps what was copied, and say whose they are; they unfold where a browser does not let it."""
         run = self.state.run
         assert run is not None, "the buttons are hidden before there is an iteration"

@@ -21,12 +21,7 @@ class Undo(ipywidgets.HBox):  # type: ignore[misc]  # ipywidgets has no types
     """Two buttons, and what they bring back."""
 
     def __init__(self, taken: Callable[[], dict[str, Any]], give: Callable[[dict[str, Any]], None]) -> None:
-        """Step through settings.
-
-        Args:
-            taken: Gives all settings as they are, by name.
-            give: Sets all settings.
-        """
+        """Step through settings: `taken` gives all as they are, by name, `give` sets all."""
         self._taken, self._give = taken, give
         self._past: list[dict[str, Any]] = []
         self._future: list[dict[str, Any]] = []

@@ -7,22 +7,16 @@ that appears later, a second one, or a page opened again has it.
 from __future__ import annotations
 
 import math
-from importlib.resources import files
 from typing import Any
 
 import traitlets
 
 from mechstyle.errors import BadInput, unknown
-from mechstyle.runs.report.markup import bundle, static
+from mechstyle.runs.report import markup
 from mechstyle.runs.report.replay_data import ReplayData, replay_data
 from mechstyle.runs.run import Run
 from mechstyle_widgets.jupyter.cell_output import OncePerCell
-from mechstyle_widgets.jupyter.page_widget import PageWidget
-
-
-def own(name: str) -> str:
-    """The text of a file of this room."""
-    return files("mechstyle_widgets.replay").joinpath("static", name).read_text(encoding="utf-8")
+from mechstyle_widgets.jupyter.page_widget import PageWidget, static
 
 
 class Replay(OncePerCell, PageWidget):
@@ -34,8 +28,8 @@ class Replay(OncePerCell, PageWidget):
         threshold: Values above it are set apart [unit of the layer]; None for no threshold.
     """
 
-    _esm = bundle(own("replay.js"))
-    _css = static("player.css") + own("replay.css")
+    _esm = markup.bundle(static("replay", "replay.js"))
+    _css = markup.static("player.css") + static("replay", "replay.css")
 
     iteration = traitlets.Int(0).tag(sync=True)
     layer = traitlets.Unicode("style").tag(sync=True)
@@ -44,13 +38,7 @@ class Replay(OncePerCell, PageWidget):
     _payload = traitlets.Bytes().tag(sync=True)
 
     def __init__(self, run: Run, *, iteration: int | None = None, layer: str = "style", threshold: float | None = None) -> None:
-        """Show a lane.
-
-        Args:
-            run: A run with at least one checkpoint.
-            iteration: Where to begin, None for the last.
-            layer: What to show first.
-            threshold: Values above it are set apart [unit of the layer], None for the layer's own.
+        """Show a lane, at its last iteration and with the threshold of the layer unless others are given.
 
         Raises:
             BadInput: If the run has no checkpoint yet, or no such iteration, layer or threshold.

@@ -2,19 +2,95 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from typing import Any, Protocol
 
+import ipywidgets
 import traitlets
 from ipywidgets import widget_serialization
 
+from mechstyle.errors import MechStyleError
 from mechstyle.runs.report.markup import bundle
-from mechstyle_widgets.jupyter.page_widget import PageWidget
-from mechstyle_widgets.replay.cache import FOLLOWED, Cache, Packer, served
-from mechstyle_widgets.replay.replay import own
+from mechstyle.runs.report.replay_data import ReplayData, replay_data
+from mechstyle_widgets.jupyter.language import said
+from mechstyle_widgets.jupyter.page_widget import PageWidget, static
+from mechstyle_widgets.jupyter.throttle import in_a_thread, running_loop
 from mechstyle_widgets.state.studio_state import StudioState
 
 REST = 400
 """A key that was pressed has come to rest after so long [ms]; a mouse when it lets go."""
+
+
+GROWTH, LEAST = 1.5, 10
+"""While a run goes on its lane is packed anew when it has grown by this factor and by so many iterations at least."""
+FOLLOWED = ("histories", "lane", "run", "status")
+
+
+class Cache(ipywidgets.Widget):  # type: ignore[misc]  # ipywidgets has no types
+    """A packed lane in the page. It is never changed: servers drop changes of more than some megabytes, but let what is made pass.
+
+    It is no anywidget: those give up, and take the whole Studio with them, if a page that is loaded anew has no time for them within
+    two seconds.
+    """
+
+    _header = traitlets.Dict().tag(sync=True)
+    _payload = traitlets.Bytes().tag(sync=True)
+
+    def __init__(self, data: ReplayData, digests: dict[int, str]) -> None:
+        """Hold a lane whose checkpoints have these digests, by iteration."""
+        self.digests = digests
+        frames = [{**frame, "words": said(frame["words"])} if "words" in frame else frame for frame in data.header["frames"]]
+        super().__init__(_header={**data.header, "frames": frames}, _payload=data.payload)
+
+
+class Packer:
+    """Packs the lane a state shows whenever it rests, and now and then while it grows; without an event loop nothing is packed."""
+
+    def __init__(self, state: StudioState, packed: Callable[[Cache], None]) -> None:
+        """Follow a state, and hand over each cache on the event loop."""
+        self._state, self._packed = state, packed
+        self._loop = running_loop()
+        self._busy, self._closed = False, False
+        self._digests: tuple[str, ...] = ()
+        state.observe(self._look, FOLLOWED)
+        self._look()
+
+    def close(self) -> None:
+        """Stop following the state."""
+        self._closed = True
+        self._state.unobserve(self._look, FOLLOWED)
+
+    def _look(self, _change: object = None) -> None:
+        run, wanted = self._state.run, digests_of(self._state)
+        if self._loop is None or self._busy or self._closed or run is None or wanted == self._digests or not wanted:
+            return
+        going_on = self._state.status in ("running", "preparing") and wanted[: len(self._digests)] == self._digests
+        if going_on and len(wanted) < max(GROWTH * len(self._digests), LEAST):
+            return
+        self._busy = True
+        in_a_thread(self._loop, partial(replay_data, run), partial(self._end, wanted), partial(self._end, wanted))
+
+    def _end(self, wanted: tuple[str, ...], data: ReplayData | Exception) -> None:
+        self._busy, self._digests = False, wanted
+        if isinstance(data, Exception):
+            if not isinstance(data, MechStyleError):  # a damaged store is reported where it is read to be shown
+                raise data
+        elif not self._closed:
+            self._packed(Cache(data, {at: digest for at, digest in enumerate(wanted) if at in data.iterations}))
+            self._look()
+
+
+def digests_of(state: StudioState) -> tuple[str, ...]:
+    """Digests of the checkpoints of the lane on show, one for each iteration."""
+    return tuple(row.digest for row in state.history)
+
+
+def served(cache: Cache | None, state: StudioState) -> list[int]:
+    """Iterations of the lane on show that a cache holds as they are now; a correction makes one anew."""
+    if cache is None:
+        return []
+    return [row.iteration for row in state.history if cache.digests.get(row.iteration) == row.digest]
 
 
 class View(Protocol):
@@ -40,7 +116,7 @@ class Scrubber(PageWidget):
         rest: How long after a key the kernel is asked [ms].
     """
 
-    _esm, _css = bundle(own("scrubber.js"), ("replay_data",)), own("scrubber.css")
+    _esm, _css = bundle(static("replay", "scrubber.js"), ("replay_data",)), static("replay", "scrubber.css")
     value = traitlets.Int(0).tag(sync=True)
     max = traitlets.Int(1).tag(sync=True)
     rest = traitlets.Int(REST).tag(sync=True)

@@ -11,14 +11,14 @@ import numpy as np
 import traitlets
 
 from mechstyle.fea.drop import DropTest
-from mechstyle.loop import control
+from mechstyle.loop.control import mask, normalised
 from mechstyle.records import CONTROLS, NORMALISATIONS, Recipe
 from mechstyle.records.material import LIBRARY, Material
 from mechstyle.records.recipe import DEFAULTS
 from mechstyle_widgets.jupyter.language import word
 from mechstyle_widgets.jupyter.looks import lean, show
 from mechstyle_widgets.jupyter.svg import Frame, drawing
-from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, Section, setting
+from mechstyle_widgets.settings.section import WIDE, Section, control, linked, setting
 
 STRATEGIES = {"linear": "evenly", "exponential": "firm near the limit", "frozen": "only at the limit"}
 """How demand becomes a mask, in words."""
@@ -56,22 +56,34 @@ class ControlSelector(Section):
     typical_stress = traitlets.Float(min=0.0)
     peak_stress = traitlets.Float(min=0.0)
 
-    def __init__(self, material: Material = LIBRARY["PLA"], height: float = DEFAULTS["height"], **traits: Any) -> None:
-        """Offer the strategies for a material.
-
-        Args:
-            material: The material.
-            height: Height of fall [mm]; gives the stress of a flat landing, ρ c v, for which the curve is drawn at first.
-            traits: Any of the attributes.
-        """
-        wave = material.density * material.bar_wave_speed * DropTest(height=height).speed
-        traits = {"material": material, "typical_stress": wave, "peak_stress": material.yield_strength, **traits}
+    def __init__(self, material: Material = LIBRARY["PLA"], **traits: Any) -> None:
+        """Offer the strategies for a material; `traits` are any of the attributes."""
+        self._mode = linked(
+            self, "freestyle", ipywidgets.ToggleButtons, "",
+            options=[("MechStyle", False), ("Freestyle", True)], style={"button_width": "112px"}, layout={},
+            tooltips=["Drop tests on the way hold the style back where the part needs its strength", "The whole style, tested at the end"],
+        )  # fmt: skip
+        strategies = [(STRATEGIES[name], name) for name in self.traits()["control"].values]
+        self._strategy = linked(self, "control", ipywidgets.Dropdown, "holds back", options=strategies)
+        measures = [(MEASURES[name], name) for name in NORMALISATIONS]
+        compared_with = linked(self, "normalisation", ipywidgets.Dropdown, "measured against", options=measures)
+        self._threshold = linked(
+            self, "threshold", ipywidgets.FloatLogSlider, "stops at",
+            base=10, min=-1.0, max=1.0, step=0.02, readout_format=".2f", continuous_update=True,
+            tooltip="Strength used at which a place may move no further; less is more careful",
+        )  # fmt: skip
+        what = "Safety coefficient of the material"
+        self._lambda = control(ipywidgets.FloatSlider, "λ (σ_c / yield)", min=0.05, max=1.0, step=0.01, tooltip=what)
         self._plot = lean(ipywidgets.HTML, layout=WIDE)
-        self._make_controls()
+        self._restraint = lean(ipywidgets.VBox, [self._strategy, compared_with, self._threshold, self._lambda, self._plot])
         super().__init__([self._mode, self._restraint])
-        for name, value in traits.items():
+        # a flat landing has the stress ρ c v, for which the curve is drawn at first
+        wave = material.density * material.bar_wave_speed * DropTest(height=DEFAULTS["height"]).speed
+        for name, value in {"material": material, "typical_stress": wave, "peak_stress": material.yield_strength, **traits}.items():
             setattr(self, name, value)
-        self._link()
+        self._lambda.value = self.material.safety_coefficient
+        self._lambda.observe(self._other_lambda, "value")
+        self.observe(self._redraw, ("freestyle", "control", "normalisation", "threshold", "material", "typical_stress", "peak_stress"))
         self._redraw()
 
     def take(self, recipe: Recipe) -> None:
@@ -86,38 +98,6 @@ class ControlSelector(Section):
         """The strategy and its threshold."""
         return "Freestyle" if self.freestyle else f"{word(STRATEGIES[self.control])}, {word('stops at')} {self.threshold:.2g}"
 
-    def _make_controls(self) -> None:
-        self._mode = lean(
-            ipywidgets.ToggleButtons,
-            options=[("MechStyle", False), ("Freestyle", True)],
-            tooltips=["Drop tests on the way hold the style back where the part needs its strength", "The whole style, tested at the end"],
-            style={"button_width": "112px"},
-        )
-        choice = {"style": NARROW_LABEL, "layout": WIDE}
-        strategies = [(STRATEGIES[name], name) for name in self.traits()["control"].values]
-        self._strategy = lean(ipywidgets.Dropdown, options=strategies, description="holds back", **choice)
-        measures = [(MEASURES[name], name) for name in NORMALISATIONS]
-        self._compared_with = lean(ipywidgets.Dropdown, options=measures, description="measured against", **choice)
-        slider = {"base": 10, "min": -1.0, "max": 1.0, "step": 0.02, "readout_format": ".2f", "continuous_update": True}
-        self._threshold = lean(
-            ipywidgets.FloatLogSlider,
-            description="stops at", tooltip="Strength used at which a place may move no further; less is more careful", **slider, **choice
-        )
-        self._lambda = lean(
-            ipywidgets.FloatSlider,
-            description="λ (σ_c / yield)", min=0.05, max=1.0, step=0.01, tooltip="Safety coefficient of the material", **choice
-        )
-        self._restraint = lean(ipywidgets.VBox, [self._strategy, self._compared_with, self._threshold, self._lambda, self._plot])
-
-    def _link(self) -> None:
-        pairs = {"freestyle": self._mode, "control": self._strategy, "normalisation": self._compared_with, "threshold": self._threshold}
-        for name, widget in pairs.items():
-            traitlets.link((self, name), (widget, "value"))
-        self._lambda.value = self.material.safety_coefficient
-        self._lambda.observe(self._other_lambda, "value")
-        watched = ("freestyle", "control", "normalisation", "threshold", "material", "typical_stress", "peak_stress")
-        self.observe(self._redraw, watched)
-
     def _other_lambda(self, change: dict[str, Any]) -> None:
         if not math.isclose(change["new"], self.material.safety_coefficient):
             self.material = msgspec.structs.replace(self.material, safety_coefficient=round(change["new"], 4))
@@ -128,24 +108,21 @@ class ControlSelector(Section):
         stress = np.linspace(0.0, top, count, dtype=np.float32)
         baseline = np.full(count, self.typical_stress, np.float32)
         limit = np.float32(max(self.material.yield_strength, self.peak_stress))
-        demand = control.normalised(stress, baseline, limit, self.peak_stress, self.material, self.normalisation)
-        return stress, demand, control.mask(demand, self.control, self.threshold)
+        demand = normalised(stress, baseline, limit, self.peak_stress, self.material, self.normalisation)
+        return stress, demand, mask(demand, self.control, self.threshold)
 
     def _redraw(self, _change: object = None) -> None:
         self._lambda.value = self.material.safety_coefficient
         show(self._lambda, self.normalisation == "sigma_c")
         show(self._restraint, not self.freestyle)
         self.note("one drop test, at the end" if self.freestyle else f"demand is {MEANS[self.normalisation]}")
-        self._plot.value = self._picture()
-
-    def _picture(self) -> str:
-        stress, demand, mask = self.curve()
+        stress, demand, left = self.curve()
         frame = Frame(0.0, float(stress[-1]), width=264, height=118)
         stops = float(np.interp(self.threshold, demand, stress)) if demand[-1] >= self.threshold else None
         end = "never stops" if stops is None else f"stops at {stops:.0f} MPa"
         strength = self.material.yield_strength
-        parts = [frame.axes("stress at a vertex [MPa]", (0.0, strength / 2, strength), ((1.0, "1"), (0.0, "0"))), frame.curve(stress, mask)]
+        parts = [frame.axes("stress at a vertex [MPa]", (0.0, strength / 2, strength), ((1.0, "1"), (0.0, "0"))), frame.curve(stress, left)]
         if stops is not None:
             parts.append(frame.mark(stops, f"{end}, demand {self.threshold:.2g}"))
         how = f"{STRATEGIES[self.control]}, measured against {MEASURES[self.normalisation]}"
-        return drawing(frame, parts, f"mask against stress, {how}: 1 at rest, {end}")
+        self._plot.value = drawing(frame, parts, f"mask against stress, {how}: 1 at rest, {end}")

@@ -10,14 +10,14 @@ import traitlets
 from mechstyle.errors import BadInput
 from mechstyle.records import CRITERIA, POSES
 from mechstyle.records.landings import STANDARDS, landings_after, with_drops
-from mechstyle.records.load_cases import LoadCase, load_cases
+from mechstyle.records.load_cases import load_cases
 from mechstyle.records.mesh import STANDARD_VERTICES
 from mechstyle.records.recipe import DEFAULTS, LIMITS
 from mechstyle.records.written import length_of, written
 from mechstyle.runs.recipes import EXPECTED
 from mechstyle_widgets.jupyter.language import word
-from mechstyle_widgets.jupyter.looks import lean, show
-from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, Section, range_of, setting
+from mechstyle_widgets.jupyter.looks import lean, show, unheard
+from mechstyle_widgets.settings.section import CHECK, WIDE, Read, Section, control, linked, range_of, setting
 
 DEVICES = ("auto", "cpu", "cuda")
 SIZES = {"Try it": 4000, "Print it": STANDARD_VERTICES}
@@ -74,7 +74,7 @@ class DropOptions(Section):
     poses = setting("poses")
     standard = setting("standard")
     nearly_flat = setting("nearly_flat")
-    loads = traitlets.Any(())
+    loads = Read(load_cases, ())
     criterion = setting("criterion")
     guarantee = setting("guarantee")
     minimum_wall = setting("minimum_wall")
@@ -85,74 +85,50 @@ class DropOptions(Section):
 
     def __init__(self, **traits: Any) -> None:
         """Offer them; `traits` are any of the attributes."""
-        look = {"style": NARROW_LABEL, "layout": WIDE}
-        controls = {
-            "orientations": lean(
-                ipywidgets.BoundedIntText,
-                description="drops", tooltip="Drops of the final test, the first as the part stands", **range_of("orientations"), **look
-            ),
-            "nearly_flat": lean(
-                ipywidgets.Checkbox,
-                description="nearly flat", tooltip="Landings tilted by 3° onto its corners and sides are judged, too", indent=False,
-                layout=WIDE,
-            ),
-            "criterion": lean(ipywidgets.Dropdown, options=[(RULES[name], name) for name in CRITERIA], description="criterion", **look),
-            "guarantee": lean(ipywidgets.Checkbox, description="correct until it passes", indent=False, layout=WIDE),
-            "minimum_wall": lean(
-                ipywidgets.BoundedFloatText,
-                description="thinnest [mm]", step=0.1, tooltip="The thinnest wall the style may leave", **range_of("minimum_wall"), **look
-            ),
-            "strengthen": lean(
-                ipywidgets.BoundedFloatText,
-                description="thicken [mm]", step=0.5,
-                tooltip="The most that is added before the style where the part does not hold as it is; 0 leaves it as it is",
-                **range_of("strengthen"), **look,
-            ),
-            "vertices": lean(ipywidgets.BoundedIntText, description="detail", min=1, max=400_000, step=1000, **look),
-            "device": lean(ipywidgets.Dropdown, options=DEVICES, description="device", **look),
-            "folder": lean(
-                ipywidgets.Text,
-                description="folder", placeholder="mechstyle-runs/…", continuous_update=False, tooltip="Where the run is kept", **look
-            ),
-        }
         ways = [(name, way) for way, (name, _) in WAYS.items()]
-        self._way = lean(ipywidgets.Dropdown, options=ways, description="it lands", tooltip="How the part meets the floor", **look)
-        known = [("none", ""), *((standard.title, name) for name, standard in STANDARDS.items())]
-        after = "A drop standard: its landings and height"
-        self._standard = lean(ipywidgets.Dropdown, options=known, description="drop standard", tooltip=after, **look)
-        self._drops = controls["orientations"]
-        self._height = lean(
-            ipywidgets.Text, description="fall", continuous_update=False, tooltip="From how high it falls, such as 1.5 m or 80 cm", **look
-        )
-        others = tuple(controls.values())
-        super().__init__([self._height, self._way, *others[:1], self._standard, self._loads_row(), *others[1:]])
+        standards = [("none", ""), *((standard.title, name) for name, standard in STANDARDS.items())]
+        what = "From how high it falls, such as 1.5 m or 80 cm"
+        self._height = control(ipywidgets.Text, "fall", continuous_update=False, tooltip=what)
+        self._way = control(ipywidgets.Dropdown, "it lands", options=ways, tooltip="How the part meets the floor")
+        what = "Drops of the final test, the first as the part stands"
+        self._drops = linked(self, "orientations", ipywidgets.BoundedIntText, "drops", tooltip=what)
+        what = "A drop standard: its landings and height"
+        self._standard = control(ipywidgets.Dropdown, "drop standard", options=standards, tooltip=what)
+        self._file = control(
+            ipywidgets.Text, "it carries",
+            placeholder="a load file.toml", continuous_update=False, layout={"flex": "1 1 auto", "width": "0"},
+            tooltip="A file of load cases: where the part is held, what pulls or presses on it",
+        )  # fmt: skip
+        self._unload = lean(ipywidgets.Button, icon="times", tooltip="Nothing to carry but the drop", layout={"width": "32px"})
+        nearly = "Landings tilted by 3° onto its corners and sides are judged, too"
+        most = "The most that is added before the style where the part does not hold as it is; 0 leaves it as it is"
+        thinnest, place = "The thinnest wall the style may leave", {"placeholder": "mechstyle-runs/…", "tooltip": "Where the run is kept"}
+        super().__init__([
+            self._height, self._way, self._drops, self._standard, lean(ipywidgets.HBox, [self._file, self._unload], layout=WIDE),
+            linked(self, "nearly_flat", ipywidgets.Checkbox, "nearly flat", tooltip=nearly, **CHECK),
+            linked(self, "criterion", ipywidgets.Dropdown, "criterion", options=[(RULES[name], name) for name in CRITERIA]),
+            linked(self, "guarantee", ipywidgets.Checkbox, "correct until it passes", **CHECK),
+            linked(self, "minimum_wall", ipywidgets.BoundedFloatText, "thinnest [mm]", step=0.1, tooltip=thinnest),
+            linked(self, "strengthen", ipywidgets.BoundedFloatText, "thicken [mm]", step=0.5, tooltip=most),
+            linked(self, "vertices", ipywidgets.BoundedIntText, "detail", min=1, max=400_000, step=1000),
+            linked(self, "device", ipywidgets.Dropdown, "device", options=DEVICES),
+            linked(self, "folder", ipywidgets.Text, "folder", continuous_update=False, **place),
+        ])  # fmt: skip
         for name, value in traits.items():
             setattr(self, name, value)
-        for name, widget in controls.items():
-            traitlets.link((self, name), (widget, "value"))
         words = ["Coarse, to see what comes of it", "Fine, as it is printed"]
         looks = {"button_width": "auto"}
         self.sizes = lean(ipywidgets.ToggleButtons, options=list(SIZES.items()), value=None, tooltips=words, style=looks)
         self.sizes.add_class("mechstyle-sizes")
-        self.sizes.observe(self._choose_size, "value")
+        self.sizes.observe(lambda change: setattr(self, "vertices", change["new"] or self.vertices), "value")
         self.observe(self._show_size, "vertices")
         self._show_size()
         self._way.observe(self._choose_way, "value")
         self._standard.observe(self._choose_standard, "value")
         self._height.observe(self._fall, "value")
-        self._file.observe(self._read, "value")
+        self._file.observe(self._carry, "value")
+        self._unload.on_click(lambda _: self._carry({"new": ""}))
         self._tell()
-
-    def _loads_row(self) -> ipywidgets.HBox:
-        """A place for the name of a load file, and a button that takes the loads away."""
-        self._file = lean(
-            ipywidgets.Text,
-            description="it carries", placeholder="a load file.toml", continuous_update=False, style=NARROW_LABEL,
-            tooltip="A file of load cases: where the part is held, what pulls or presses on it", layout={"flex": "1 1 auto", "width": "0"},
-        )  # fmt: skip
-        self._unload = lean(ipywidgets.Button, icon="times", tooltip="Nothing to carry but the drop", layout={"width": "32px"})
-        self._unload.on_click(lambda _: self._carry(""))
-        return lean(ipywidgets.HBox, [self._file, self._unload], layout=WIDE)
 
     @property
     def brief(self) -> str:
@@ -169,13 +145,9 @@ class DropOptions(Section):
         """The chosen settings, by the names of the recipe's fields; the height as it is written, so that a small one is not asked about."""
         return {**super().settings, "height": written(self.height)}
 
-    @traitlets.validate("loads")
-    def _as_records(self, proposal: dict[str, Any]) -> tuple[LoadCase, ...]:
-        return load_cases(proposal["value"])
-
     @traitlets.observe("orientations", "poses", "standard", "height", "nearly_flat", "loads", "strengthen", "criterion")
     def _tell(self, _change: object = None) -> None:
-        """Bring the way up to date, and say what will be tested."""
+        """Bring the controls up to date, and say what will be tested."""
         self._way.value, self._standard.value = self.way, self.standard
         show(self._drops, self.way != ONCE)
         show(self._unload, self.loads)
@@ -190,11 +162,6 @@ class DropOptions(Section):
             f"Where it does not hold as it is, it is thickened by up to {self.strengthen:g} mm before the style" if self.strengthen else "",
         )
         self.note(". ".join(filter(None, said)), (EXPECTED,) if self.criterion == "paper" else ())
-
-    @traitlets.observe("loads")
-    def _forget_file(self, _change: object) -> None:
-        """Loads that came another way are not those of the file named last."""
-        self._name("")
 
     def _fall(self, change: dict[str, Any]) -> None:
         """Take the height that was written; what cannot be used is said and leaves the last one."""
@@ -218,10 +185,6 @@ class DropOptions(Section):
             with self.hold_trait_notifications():
                 self.poses, self.orientations = way, POSES[way]
 
-    def _choose_size(self, change: dict[str, Any]) -> None:
-        if change["new"] is not None:
-            self.vertices = change["new"]
-
     def _show_size(self, _change: object = None) -> None:
         """Neither where a number was asked for that is of neither."""
         self.sizes.value = self.vertices if self.vertices in SIZES.values() else None
@@ -233,20 +196,19 @@ class DropOptions(Section):
                 for name, value in with_drops({"standard": change["new"]}).items():
                     setattr(self, name, value)
 
-    def _carry(self, file: str) -> None:
+    @traitlets.observe("loads")
+    def _name(self, _change: object, file: str = "") -> None:
+        """Show the name of the file of the loads; those that came another way have none."""
+        with unheard(self._file, self._carry):
+            self._file.value = file
+
+    def _carry(self, change: dict[str, Any]) -> None:
         """Take the load cases of a file, or none; what cannot be used is said and leaves the others."""
+        file = change["new"].strip()
         try:
             self.loads = file or ()
         except BadInput as error:
             self.complain(str(error))
         else:
             self.complain("")
-            self._name(file)
-
-    def _name(self, file: str) -> None:
-        self._file.unobserve(self._read, "value")
-        self._file.value = file
-        self._file.observe(self._read, "value")
-
-    def _read(self, change: dict[str, Any]) -> None:
-        self._carry(change["new"].strip())
+            self._name(None, file)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import ipywidgets
@@ -10,8 +11,8 @@ import traitlets
 
 from mechstyle.errors import BadInput
 from mechstyle.records.material import LIBRARY, Material, material_named
-from mechstyle_widgets.jupyter.looks import lean
-from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, Section
+from mechstyle_widgets.jupyter.looks import lean, unheard
+from mechstyle_widgets.settings.section import Section, control, linked
 
 FIGURES = {
     "youngs_modulus": ("E [MPa]", 50.0),
@@ -40,21 +41,17 @@ class MaterialPicker(Section):
 
     def __init__(self, material: str | Material = "PLA") -> None:
         """Offer the library; `material` is chosen at first."""
-        look = {"style": NARROW_LABEL, "layout": WIDE}
-        self._choice = lean(ipywidgets.Dropdown, description="material", **look)
+        self._choice = control(ipywidgets.Dropdown, "material")
         self._choice.observe(self._choose, "value")
         self._figures = {
-            field: lean(ipywidgets.FloatText, description=name, step=step, continuous_update=False, **look)
-            for field, (name, step) in FIGURES.items()
+            field: control(ipywidgets.FloatText, name, step=step, continuous_update=False) for field, (name, step) in FIGURES.items()
         }
         paid = {"min": 0.0, "max": 1e5, "step": 1.0, "tooltip": "What the filament costs, in your currency"}
-        price = lean(ipywidgets.BoundedFloatText, description="price per kg", **paid, **look)
-        grid = lean(ipywidgets.VBox, [*self._figures.values(), price])
-        super().__init__([self._choice, grid])
-        traitlets.link((self, "price"), (price, "value"))
+        price = linked(self, "price", ipywidgets.BoundedFloatText, "price per kg", **paid)
+        super().__init__([self._choice, lean(ipywidgets.VBox, [*self._figures.values(), price])])
         self.material = material_named(material)
         for field, widget in self._figures.items():
-            widget.observe(lambda change, field=field: self._edit(field, change["new"]), "value")
+            widget.observe(partial(self._edit, field), "value")
         self._show()
 
     @property
@@ -64,12 +61,10 @@ class MaterialPicker(Section):
 
     @traitlets.observe("material")
     def _show(self, _change: object = None) -> None:
-        """Bring the controls up to date."""
         edited = [] if LIBRARY.get(self.material.name) == self.material else [(f"{self.material.name} (edited)", "")]
-        self._choice.unobserve(self._choose, "value")  # other options choose their first one, which nobody asked for
-        self._choice.options = [*[(name, name) for name in LIBRARY], *edited]
-        self._choice.value = "" if edited else self.material.name
-        self._choice.observe(self._choose, "value")
+        with unheard(self._choice, self._choose):  # other options choose their first one, which nobody asked for
+            self._choice.options = [*[(name, name) for name in LIBRARY], *edited]
+            self._choice.value = "" if edited else self.material.name
         for field, widget in self._figures.items():
             widget.value = round(getattr(self.material, field) * SHOWN_IN.get(field, 1.0), 6)
         self.note(f"source: {self.material.source}")
@@ -79,8 +74,8 @@ class MaterialPicker(Section):
         if change["new"]:
             self.material = LIBRARY[change["new"]]
 
-    def _edit(self, field: str, shown: float) -> None:
-        value = shown / SHOWN_IN.get(field, 1.0)
+    def _edit(self, field: str, change: dict[str, Any]) -> None:
+        value = change["new"] / SHOWN_IN.get(field, 1.0)
         if abs(value - getattr(self.material, field)) <= 1e-9 * abs(value):
             return
         try:

@@ -17,8 +17,8 @@ from mechstyle.geometry.one_body import Body
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle_widgets.jupyter.frame import unseen
 from mechstyle_widgets.jupyter.language import word
-from mechstyle_widgets.jupyter.looks import lean, show
-from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, Section
+from mechstyle_widgets.jupyter.looks import lean, show, unheard
+from mechstyle_widgets.settings.section import WIDE, Section, control
 from mechstyle_widgets.settings.thumbnail_buttons import PictureChoice
 from mechstyle_widgets.state.troubles import sentence
 
@@ -46,16 +46,7 @@ class PartPicker(Section):
     name = traitlets.Unicode("")
 
     def __init__(self, model: str | SurfaceMesh = "", *, scale: float | None = None, name: str = "part") -> None:
-        """Offer the gallery.
-
-        Args:
-            model: `gallery:NAME`, the path of a file, or a surface.
-            scale: As the attribute.
-            name: What a surface given as such is called.
-
-        Raises:
-            BadInput: If the part cannot be used.
-        """
+        """Offer the gallery; a surface given as `model` is called by `name`. BadInput if the part cannot be used."""
         groups: dict[str, list[str]] = {}
         for one in gallery.names():
             groups.setdefault(gallery.entry(one).module, []).append(one)
@@ -66,24 +57,20 @@ class PartPicker(Section):
             description="file", placeholder="or a path: part.stl", tooltip=what, continuous_update=False,
             layout={"flex": "1 1 auto", "width": "0"},
         ))  # fmt: skip
-        self._upload = lean(
-            ipywidgets.FileUpload,
-            accept=",".join(f".{suffix}" for suffix in FORMATS),
-            description="your file",
-            tooltip="A file of this computer",
-            layout={"width": "auto"},
-        )
+        kinds = ",".join(f".{suffix}" for suffix in FORMATS)
+        what = "A file of this computer"
+        self._upload = lean(ipywidgets.FileUpload, accept=kinds, description="your file", tooltip=what, layout={"width": "auto"})
         narrow = {"width": "138px"}
         self._unit = unseen(lean(ipywidgets.Dropdown, options=UNITS, description="unit", tooltip="Unit of the file", layout=narrow))
         what = "Which body of the file: a drop test is of one"
-        self._body = lean(ipywidgets.Dropdown, options=[], description="body", tooltip=what, style=NARROW_LABEL, layout=WIDE)
+        self._body = control(ipywidgets.Dropdown, "body", options=[], tooltip=what)
         show(self._body, False)
         file = lean(ipywidgets.HBox, [self._upload, self._path], layout=WIDE)
         super().__init__([self._gallery, file, self._body, self._unit])
         self._gallery.observe(lambda _: self._wish(gallery.PREFIX + self._gallery.value, None), "pressed")
         self._path.observe(self._typed, "value")
         self._upload.observe(self._uploaded, "value")
-        self._unit.observe(self._measured_in, "value")
+        self._unit.observe(self._choose_unit, "value")
         self._body.observe(self._of_these, "value")
         if isinstance(model, SurfaceMesh):
             self.show(model, name)
@@ -96,16 +83,7 @@ class PartPicker(Section):
         return self.name.replace("_", " ")
 
     def choose(self, model: str, scale: float | None = None, body: str = "") -> None:
-        """Take a part by its address.
-
-        Args:
-            model: `gallery:NAME` or the path of a file.
-            scale: Factor to millimetres, for files.
-            body: Number of one of several bodies of a file.
-
-        Raises:
-            BadInput: If it cannot be used; what was chosen before stays.
-        """
+        """Take a part by its address; BadInput if it cannot be used, and what was chosen before stays."""
         mesh = gallery.load(model, scale=scale, body=body)
         with self.hold_trait_notifications():
             self.model, self.scale, self.body, self.name, self.mesh = model, scale, body, mesh.name, mesh
@@ -154,9 +132,8 @@ class PartPicker(Section):
         with suppress(BadInput):  # what is wrong with the file is said
             found = bodies(model, scale=scale) if model and not model.startswith(gallery.PREFIX) else ()
         several = len(found) > 1
-        self._body.unobserve(self._of_these, "value")
-        self._body.options = [(word("choose …"), ""), *((one.words, str(one.number)) for one in found)] if several else []
-        self._body.observe(self._of_these, "value")
+        with unheard(self._body, self._of_these):
+            self._body.options = [(word("choose …"), ""), *((one.words, str(one.number)) for one in found)] if several else []
         self._asked_of = (model, scale)
         show(self._body, several)
         return several
@@ -165,7 +142,7 @@ class PartPicker(Section):
         if change["new"]:
             self._wish(*self._asked_of, change["new"])
 
-    def _measured_in(self, change: dict[str, Any]) -> None:
+    def _choose_unit(self, change: dict[str, Any]) -> None:
         if change["new"] is not None:  # a factor that no unit has
             self._wish(self.model, change["new"] or None, self.body)
 

@@ -7,18 +7,15 @@ from typing import Any
 import ipywidgets
 import traitlets
 
-from mechstyle.errors import BadInput
-from mechstyle.runs.images import digest_of
+from mechstyle.errors import BadInput, MechStyleError
+from mechstyle.runs.images import digest_of, thumbnail
 from mechstyle.styling.library import library
 from mechstyle.styling.picture import NAME as PICTURE
 from mechstyle.styling.prompt import Reading, read, suggestions
 from mechstyle.styling.vocabulary import called
 from mechstyle_widgets.jupyter.frame import unseen
-from mechstyle_widgets.jupyter.looks import lean
-from mechstyle_widgets.settings.group import Fold
-from mechstyle_widgets.settings.image import ImageChoice
-from mechstyle_widgets.settings.millimetres import AUTO, Millimetres
-from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, Section, range_of, setting
+from mechstyle_widgets.jupyter.looks import lean, show
+from mechstyle_widgets.settings.section import AUTO, WIDE, Fold, Millimetres, Read, Section, linked, setting
 from mechstyle_widgets.settings.thumbnail_buttons import FEW, PictureChoice
 
 GROUPS = {
@@ -45,6 +42,66 @@ GROUPS = {
 DEPTHS = tuple(round(0.1 * step, 1) for step in range(31))
 SIZES = (1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 15.0, 20.0, 25.0, 30.0, 40.0)
 """Depths and sizes of features that the sliders offer [mm]."""
+
+
+WIDTHS = (5.0, 8.0, 10.0, 12.0, 15.0, 20.0, 25.0, 30.0, 40.0, 50.0, 60.0, 80.0, 100.0, 150.0, 200.0)
+"""Widths of a picture that the slider offers [mm]."""
+
+
+class ImageChoice(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
+    """A button for a picture and, once there is one, how it is to lie on the part: traits as in a recipe.
+
+    `image` is a digest of pixels, "" for none; a file, its bytes or an array may be set. `trouble` says why a file could not be taken.
+    """
+
+    FIELDS = ("image", "image_size", "image_as", "image_layout", "projection")
+
+    image: Any = Read(digest_of, "")
+    image_size = setting("image_size")
+    image_as = setting("image_as")
+    image_layout = setting("image_layout")
+    projection = setting("projection")
+    trouble: Any = traitlets.Unicode("")
+
+    def __init__(self) -> None:
+        """Offer to choose a file."""
+        what = "A PNG or JPEG file: light stands out, dark is cut in, what is transparent stays plain"
+        kinds, own = ".png,.jpg,.jpeg", {"width": "auto"}
+        self._upload = lean(ipywidgets.FileUpload, accept=kinds, description="your picture", tooltip=what, layout=own)
+        self._remove = lean(ipywidgets.Button, description="without it", tooltip="Go on without the picture", layout=WIDE)
+        self._shown = lean(ipywidgets.Image, width=56, layout={"border": "1px solid var(--jp-border-color2, #ccc)"})
+        what = "Width of the picture, or of one of its tiles"
+        self._size = linked(self, "image_size", Millimetres, "wide", lengths=WIDTHS, tooltip=what)
+        uses = [("relief and colours", "both"), ("relief", "height"), ("colours", "colour")]
+        use = linked(self, "image_as", ipywidgets.Dropdown, "gives", options=uses, tooltip="What is taken of the picture")
+        layouts = [("repeated", "tiled"), ("once a side", "placed")]
+        layout = linked(self, "image_layout", ipywidgets.Dropdown, "is", options=layouts, tooltip="How often it is laid out")
+        ways = [("from six sides", "box"), ("from one side", "planar"), ("around the part", "around")]
+        what = "A prompt such as `front: picture` names it"
+        self._way = linked(self, "projection", ipywidgets.Dropdown, "lies", options=ways, tooltip=what)
+        self._details = lean(ipywidgets.VBox, [self._size, use, layout, self._way])
+        super().__init__([lean(ipywidgets.HBox, [self._shown, lean(ipywidgets.VBox, [self._upload, self._remove])]), self._details])
+        self._upload.observe(self._take, "value")
+        self._remove.on_click(lambda _button: setattr(self, "image", ""))
+        self._show(None)
+
+    def _take(self, _change: object) -> None:
+        chosen = self._upload.value
+        if not chosen:
+            return
+        try:
+            self.image = bytes(chosen[0]["content"])
+        except MechStyleError as error:
+            self.trouble = str(error).replace("the picture", chosen[0]["name"], 1)
+        else:
+            self.trouble = ""
+        self._upload.value = ()
+
+    @traitlets.observe("image")
+    def _show(self, _change: object) -> None:
+        for widget in (self._shown, self._remove, self._details):
+            show(widget, self.image)
+        self._shown.value = thumbnail(self.image) if self.image else b""
 
 
 class PromptBox(Section):
@@ -77,7 +134,7 @@ class PromptBox(Section):
     seed = setting("seed")
     guidance = setting("guidance")
     field = setting("field")
-    image: Any = traitlets.Any("")
+    image: Any = Read(digest_of, "")
     image_size = setting("image_size")
     image_as = setting("image_as")
     image_layout = setting("image_layout")
@@ -90,30 +147,28 @@ class PromptBox(Section):
         styles = library()
         asked_by = {name: " ".join(called(name)) for name in styles}
         self._chips = PictureChoice("style", {name: style.description for name, style in styles.items()}, GROUPS, asked_by)
-        look = {"style": NARROW_LABEL, "layout": WIDE}
-        deep = "Depth of the relief, from its lowest to its highest"
-        self._relief = lean(Millimetres, DEPTHS, description="depth", tooltip=deep, **look)
-        large = "Size of the style's feature, such as a course of bricks"
-        self._feature = lean(Millimetres, SIZES, description="size", tooltip=large, **look)
+        what = "Depth of the relief, from its lowest to its highest"
+        self._relief = linked(self, "relief", Millimetres, "depth", lengths=DEPTHS, tooltip=what)
+        what = "Size of the style's feature, such as a course of bricks"
+        self._feature = linked(self, "feature", Millimetres, "size", lengths=SIZES, tooltip=what)
         sides = [("as the walls allow", "auto"), ("outwards", "outwards"), ("inwards", "inwards"), ("both ways", "both")]
         where = "Where the relief goes from the surface; by itself outwards on thin walls, else both ways"
-        self._side = lean(ipywidgets.Dropdown, options=sides, description="goes", tooltip=where, **look)
         fine = "Diameter of the printer's nozzle: features that are not given are made for it; 0 for no rule"
-        self._nozzle = lean(ipywidgets.BoundedFloatText, description="nozzle [mm]", step=0.1, tooltip=fine, **range_of("nozzle"), **look)
         insides = [("plain", "plain"), ("styled as well", "styled")]
-        hollow = "The inside of a cup, a tray, a case"
-        self._inside = lean(ipywidgets.Dropdown, options=insides, description="inside", tooltip=hollow, **look)
-        differently = "Another number draws the same style a little differently"
-        self._seed = lean(ipywidgets.BoundedIntText, description="variation", tooltip=differently, **range_of("seed"), **look)
+        hollow, differently = "The inside of a cup, a tray, a case", "Another number draws the same style a little differently"
         guides = [("a drawn target, offline", "offline"), ("CLIP, any prompt", "clip")]
         needs = "CLIP needs its weights on disk"
-        self._guidance = lean(ipywidgets.Dropdown, options=guides, description="style from", tooltip=needs, **look)
         carriers = [("a value at each point", "vertex"), ("a network (X-Mesh)", "network")]
-        self._field = lean(ipywidgets.Dropdown, options=carriers, description="shape from", tooltip="What is optimised", **look)
         self._image = ImageChoice()
-        rest = [self._side, self._nozzle, self._inside, self._seed, self._guidance, self._field]
-        self._more = Fold("more of the style", rest)
-        super().__init__([self._text, self._chips, self._image, self._relief, self._feature, self._more])
+        more = Fold("more of the style", lean(ipywidgets.VBox, [
+            linked(self, "side", ipywidgets.Dropdown, "goes", options=sides, tooltip=where),
+            linked(self, "nozzle", ipywidgets.BoundedFloatText, "nozzle [mm]", step=0.1, tooltip=fine),
+            linked(self, "inside", ipywidgets.Dropdown, "inside", options=insides, tooltip=hollow),
+            linked(self, "seed", ipywidgets.BoundedIntText, "variation", tooltip=differently),
+            linked(self, "guidance", ipywidgets.Dropdown, "style from", options=guides, tooltip=needs),
+            linked(self, "field", ipywidgets.Dropdown, "shape from", options=carriers, tooltip="What is optimised"),
+        ]))  # fmt: skip
+        super().__init__([self._text, self._chips, self._image, self._relief, self._feature, more])
         self.children = (self._text, self._note, self._trouble, *self.children[1:-2])  # an answer stands where one has asked
         self._chips.observe(self._choose, "pressed")
         for name in ImageChoice.FIELDS:
@@ -123,14 +178,8 @@ class PromptBox(Section):
         self.prompt = prompt
         for name, value in traits.items():
             setattr(self, name, value)
-        traitlets.link((self, "relief"), (self._relief, "length"))
-        traitlets.link((self, "feature"), (self._feature, "length"))
         self.observe(self._tell_lengths, ("reading", "amplitude"))
         self._tell_lengths()
-        pairs = {"side": self._side, "nozzle": self._nozzle}
-        pairs |= {"inside": self._inside, "seed": self._seed, "guidance": self._guidance, "field": self._field}
-        for name, widget in pairs.items():
-            traitlets.link((self, name), (widget, "value"))
 
     @property
     def brief(self) -> str:
@@ -142,10 +191,6 @@ class PromptBox(Section):
         name = self._chips.value.replace("_", " ")
         old = _first_style(self.reading).replace("_", " ")
         self.prompt = self.prompt.replace(old, name, 1) if old and old in self.prompt else name
-
-    @traitlets.validate("image")
-    def _known(self, proposal: dict[str, Any]) -> str:
-        return digest_of(proposal["value"])
 
     @traitlets.observe("image")
     def _speak_of_it(self, _change: object) -> None:
@@ -163,7 +208,11 @@ class PromptBox(Section):
             self.reading = read(self.prompt, picture=bool(self.image)) if words or self.image else None
         except BadInput as error:
             self.reading = None
-            self.complain(_refusal(words, str(error)) if drawn else "")
+            if "names no style that can be drawn" in str(error):  # the sentence leads on to the pictures of the nearest styles
+                why = f"“{words}” names no style. Near it are these, or take a picture of your own:"
+            else:
+                why = str(error).split("; `mechstyle styles`", maxsplit=1)[0]
+            self.complain(why if drawn else "")
             self.note("" if drawn else "CLIP reads the whole prompt")
             self._chips.nearest = list(suggestions(words, FEW)) if drawn else []
         else:
@@ -179,13 +228,6 @@ class PromptBox(Section):
         share = AUTO if self.amplitude is None else f"{self.amplitude:g} of wall"
         self._relief.auto = share if deep is None else f"{deep:g} mm, as written"
         self._feature.auto = AUTO if large is None else f"{large:g} mm, as written"
-
-
-def _refusal(prompt: str, error: str) -> str:
-    """Why a prompt cannot be used, in a sentence that leads on to the pictures of the nearest styles."""
-    if "names no style that can be drawn" in error:
-        return f"“{prompt}” names no style. Near it are these, or take a picture of your own:"
-    return error.split("; `mechstyle styles`", maxsplit=1)[0]
 
 
 def _first_style(reading: Reading | None) -> str:

@@ -12,7 +12,7 @@ from mechstyle.runs.recipes import MASKED
 from mechstyle_widgets.jupyter.language import word
 from mechstyle_widgets.jupyter.looks import lean, show
 from mechstyle_widgets.jupyter.svg import Frame, drawing, line
-from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, Section, range_of, setting
+from mechstyle_widgets.settings.section import WIDE, Section, linked, setting
 from mechstyle_widgets.state.schedule_forecast import Plan, plan
 
 WHAT = {
@@ -48,19 +48,14 @@ class ScheduleSelector(Section):
 
     def __init__(self, **traits: Any) -> None:
         """Offer the schedules; `traits` are any of the attributes."""
-        look = {"style": NARROW_LABEL, "layout": WIDE}
-        options = [(WHAT[name], name) for name in SCHEDULES]
-        self._choice = lean(ipywidgets.Dropdown, options=options, description="tested", **look)
-        self._every = lean(ipywidgets.BoundedIntText, description="k", **range_of("every"), **look)
-        self._travel = lean(ipywidgets.BoundedFloatText, description="share of wall", step=0.01, **range_of("travel"), **look)
-        self._iterations = lean(ipywidgets.BoundedIntText, description="iterations", **range_of("iterations"), **look)
+        iterations = linked(self, "iterations", ipywidgets.BoundedIntText, "iterations")
+        self._choice = linked(self, "schedule", ipywidgets.Dropdown, "tested", options=[(WHAT[name], name) for name in SCHEDULES])
+        self._every = linked(self, "every", ipywidgets.BoundedIntText, "k")
+        self._travel = linked(self, "travel", ipywidgets.BoundedFloatText, "share of wall", step=0.01)
         self._plot = lean(ipywidgets.HTML, layout=WIDE)
-        super().__init__([self._iterations, self._choice, self._every, self._travel, self._plot])
+        super().__init__([iterations, self._choice, self._every, self._travel, self._plot])
         for name, value in traits.items():
             setattr(self, name, value)
-        pairs = (("schedule", self._choice), ("every", self._every), ("travel", self._travel), ("iterations", self._iterations))
-        for name, widget in pairs:
-            traitlets.link((self, name), (widget, "value"))
         self.observe(self._redraw, (*self.FIELDS, *self.SEEN))
         self._redraw()
 
@@ -85,12 +80,9 @@ class ScheduleSelector(Section):
         show(self._travel, not self.plan.certain)
         guess = "" if self.plan.certain else "; an estimate, the run decides"
         self.note(f"{self.plan.count}, the last one in all landings{guess}")
-        self._plot.value = self._picture()
-
-    def _picture(self) -> str:
         frame = Frame(0.0, float(self.iterations), height=48, left=10)
         places = [frame.x(place) for place in self.plan.places]
         marks = [line(x, 6, x, frame.floor, "var(--jp-brand-color1, #1565c0)") for x in places]
         ticks = (0.0, float(self.iterations // 2), float(self.iterations)) if self.iterations > 1 else (0.0, 1.0)
         words = f"{WHAT[self.schedule]}: {self.plan.count} of {self.iterations} iterations"
-        return drawing(frame, [frame.axes("iteration", ticks), *marks], words)
+        self._plot.value = drawing(frame, [frame.axes("iteration", ticks), *marks], words)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from html import escape
 from typing import Any, ClassVar
 
@@ -12,14 +12,15 @@ import traitlets
 from mechstyle.records import Recipe
 from mechstyle.records.recipe import CHOICES, DEFAULTS, LIMITS, SETTINGS
 from mechstyle_widgets.jupyter.frame import Framed
-from mechstyle_widgets.jupyter.language import said
-from mechstyle_widgets.jupyter.looks import lean, show
+from mechstyle_widgets.jupyter.language import said, word
+from mechstyle_widgets.jupyter.looks import lean, show, unheard
 from mechstyle_widgets.state.troubles import sentence
 
 WIDE = {"width": "auto"}
-"""Layout of a control as wide as its column."""
 NARROW_LABEL = {"description_width": "116px"}
-"""Style of a control whose description stands at its left, all in one line."""
+"""Layout of a control as wide as its column, and style of one whose description stands at its left, all in one line."""
+CHECK = {"style": {}, "indent": False}
+"""Look of a box to tick, whose description stands at its right."""
 
 
 def setting(name: str) -> Any:
@@ -33,9 +34,68 @@ def setting(name: str) -> Any:
     return number(default, allow_none=default is None, **range_of(name))
 
 
+class Read(traitlets.Any):
+    """A trait whose value a function reads from whatever is set; what cannot be used is its BadInput."""
+
+    def __init__(self, read: Callable[[Any], object], default: object) -> None:
+        """Read with a function; `default` is what is there at first."""
+        super().__init__(default)
+        self._read = read
+
+    def validate(self, _obj: Any, value: Any) -> Any:
+        """What was read."""
+        return self._read(value)
+
+
 def range_of(name: str) -> dict[str, float]:
     """`min` and `max` of a field of the recipe, for a trait or a control."""
     return dict(zip(("min", "max"), LIMITS[name], strict=True))
+
+
+def control(kind: Any, description: str, **look: Any) -> Any:
+    """A control of a kind of ipywidgets as wide as its column, its description at the left."""
+    return lean(kind, description=description, **{"style": NARROW_LABEL, "layout": WIDE, **look})
+
+
+def linked(owner: traitlets.HasTraits, name: str, kind: Any, description: str, **look: Any) -> Any:
+    """As `control`, linked both ways to a trait of its owner; a bounded number has the range of the setting of that name."""
+    bounds = range_of(name) if "min" in kind.class_traits() and "min" not in look else {}
+    made = control(kind, description, **{**bounds, **look})
+    traitlets.link((owner, name), (made, "length" if "length" in kind.class_traits() else "value"))
+    return made
+
+
+AUTO = "auto"
+"""The first place, and what it is called by default."""
+
+
+class Millimetres(ipywidgets.SelectionSlider):  # type: ignore[misc]  # ipywidgets has no types
+    """A slider from "auto" through lengths.
+
+    Attributes:
+        length: What is chosen [mm], None at the first place; it may be any, and is then offered as well.
+        auto: What the first place is called.
+    """
+
+    length: Any = traitlets.Float(None, allow_none=True)
+    auto: Any = traitlets.Unicode(AUTO)
+
+    def __init__(self, lengths: Sequence[float], **look: Any) -> None:
+        """Offer these lengths; `look` is what any slider has."""
+        self._lengths = frozenset(lengths)
+        super().__init__(options=[(self.auto, AUTO)], **look)
+        self.observe(self._show, ("length", "auto"))
+        self.observe(self._choose, "value")
+        self._show()
+
+    def _show(self, _change: object = None) -> None:
+        lengths = sorted(self._lengths | ({self.length} - {None}))
+        with unheard(self, self._choose):  # other options put the slider to its first place
+            self.options = [(self.auto, AUTO), *((f"{length:g} mm", length) for length in lengths)]
+            self.value = AUTO if self.length is None else self.length
+
+    def _choose(self, _change: object) -> None:
+        self.length = None if self.value == AUTO else self.value
 
 
 class Words(ipywidgets.HTML):  # type: ignore[misc]  # ipywidgets has no types
@@ -112,6 +172,52 @@ class Section(Framed, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has 
     def trouble(self) -> str:
         """The error in one sentence, "" for none."""
         return self._trouble.value
+
+
+class Fold(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
+    """Something that is seldom needed, folded away under a line until it is pressed.
+
+    Attributes:
+        unfolded: Whether it is shown.
+    """
+
+    unfolded = traitlets.Bool(False)
+    page = False
+
+    def __init__(self, title: str, content: ipywidgets.Widget, look: str = "mechstyle-fold") -> None:
+        """Put something under a line, which has a class of its own in the sheet."""
+        self._head, self._content = lean(ipywidgets.Button, description=title), content
+        for name in ("mechstyle-group-head", look):
+            self._head.add_class(name)
+        super().__init__([self._head, content])
+        self._head.on_click(lambda _: setattr(self, "unfolded", not self.unfolded))
+        self._tell()
+
+    @traitlets.observe("unfolded")
+    def _tell(self, _change: Any = None) -> None:
+        self._head.icon = ("angle-left" if self.page else "angle-down") if self.unfolded else "angle-right"
+        (self._head.add_class if self.unfolded else self._head.remove_class)("mechstyle-open")
+        show(self._content, self.unfolded)
+
+
+class Group(Fold):
+    """A heading and a section; one that is a page is gone back from."""
+
+    def __init__(self, title: str, section: Section, *, unfolded: bool = False, page: bool = False) -> None:
+        """Put a section under a heading."""
+        self._title, self._section, self.page = word(title), section, page
+        super().__init__(title, section, "mechstyle-group-head")
+        self.add_class("mechstyle-group")
+        section.observe(self._tell, (*section.FIELDS, *section.OWN) or ("name",))  # a part has a name and no setting
+        self.unfolded = unfolded
+
+    @traitlets.observe("unfolded")
+    def _tell(self, change: Any = None) -> None:
+        """Show what is chosen where the section itself does not."""
+        super()._tell(change)
+        brief = "" if self.unfolded else self._section.brief
+        self._head.description = f"{self._title}: {brief}" if brief else self._title
+        self._head.tooltip = word("Back to all settings (Escape)") if self.page and self.unfolded else ""
 
 
 def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:

@@ -6,15 +6,14 @@ each button.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from importlib.resources import files
+from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 from typing import Any
 
 import traitlets
 
 from mechstyle_widgets.jupyter.language import spoken, word
-from mechstyle_widgets.jupyter.page_widget import PageWidget
+from mechstyle_widgets.jupyter.page_widget import PageWidget, static
 from mechstyle_widgets.jupyter.throttle import running_loop
 from mechstyle_widgets.settings import thumbnails
 
@@ -30,18 +29,6 @@ TOGETHER = 6
 """Pictures that are sent to the page at once while they are drawn."""
 
 
-def _static(name: str) -> str:
-    return files("mechstyle_widgets.settings").joinpath("static", name).read_text(encoding="utf-8")
-
-
-def in_groups(groups: Mapping[str, Sequence[str]], names: Iterable[str]) -> dict[str, list[str]]:
-    """The names under the headings of their groups; those of no group come last, under `others`."""
-    grouped = {head: [name for name in members if name in set(names)] for head, members in groups.items()}
-    known = {name for members in grouped.values() for name in members}
-    others = [name for name in names if name not in known]
-    return {head: members for head, members in {**grouped, "others": others}.items() if members}
-
-
 class PictureChoice(PageWidget):
     """A few names with small pictures, and a sheet with all of them in groups, which can be searched; pictures come in as they are drawn.
 
@@ -51,15 +38,10 @@ class PictureChoice(PageWidget):
         all: Whether the sheet with all of them is open.
         few: The names of the few that are always shown.
         nearest: Names that are shown instead, none for the usual few.
-        names: What can be chosen: the title of each, and a sentence about it.
-        groups: The names by the headings they stand under.
-        found_by: What each is found by in a search, in small letters.
-        words: What the page says itself.
         pictures: PNG of those that have been shown, by name.
-        kind: What the pictures are of.
     """
 
-    _esm, _css = _static("pictures.js"), _static("pictures.css")
+    _esm, _css = static("settings", "pictures.js"), static("settings", "pictures.css")
     value = traitlets.Unicode("").tag(sync=True)
     pressed = traitlets.Int(0)
     all = traitlets.Bool(False).tag(sync=True)
@@ -75,20 +57,15 @@ class PictureChoice(PageWidget):
     def __init__(
         self, kind: str, names: Mapping[str, str], groups: Mapping[str, Sequence[str]] = NONE, found_by: Mapping[str, str] = NONE
     ) -> None:
-        """Offer names.
-
-        Args:
-            kind: What the pictures are of, a key of `thumbnails.DRAWN`.
-            names: What can be chosen, with a sentence about each.
-            groups: The names by the headings they stand under.
-            found_by: Further words by which a search finds each.
-        """
+        """Offer names of a kind of `thumbnails.DRAWN` with a sentence about each, under headings; `found_by` has words to find them."""
         self._drawn = {name: picture for name in names if (picture := thumbnails.cached(kind, name)) is not None}
         titles = {name: word(name.replace("_", " ")) for name in names}
         tips = {name: f"{titles[name]}: {about}" if spoken() == "en" else titles[name] for name, about in names.items()}
         shown = {name: {"title": titles[name], "tip": tips[name]} for name in names}
         found = {name: " ".join((name, *shown[name].values(), found_by.get(name, ""))).replace("_", " ").lower() for name in names}
-        heads = {word(head): members for head, members in in_groups(groups, names).items()}
+        heads = {word(head): [name for name in members if name in names] for head, members in groups.items()}
+        heads[word("others")] = [name for name in names if not any(name in members for members in groups.values())]
+        heads = {head: members for head, members in heads.items() if members}
         words = {name: word(text).format(len(names)) for name, text in WORDS[kind].items()}
         super().__init__(kind=kind, names=shown, few=list(names)[:FEW], groups=heads, found_by=found, words=words)
         self.on_msg(self._hear)

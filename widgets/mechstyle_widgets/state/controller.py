@@ -27,16 +27,7 @@ ENDED = "the run has just ended: see what came of it before you go on"
 
 @dataclass(frozen=True, eq=False)
 class Wanted:
-    """The run the settings ask for.
-
-    Attributes:
-        recipe: Its recipe, but for the part.
-        mesh: The part [mm]; None for that of the run on show.
-        vertices: Vertices of the standardised surface.
-        name: What the part is called.
-        folder: Run directory, "" for one named by prompt and recipe.
-        device: `auto`, `cpu` or `cuda`.
-    """
+    """The run the settings ask for; without a mesh [mm] it is of the part on show, without a folder of one named by prompt and recipe."""
 
     recipe: Recipe
     mesh: SurfaceMesh | None
@@ -50,12 +41,7 @@ class Controller:
     """Carries out what people ask for, in the background; what cannot be done is said in `state.message`."""
 
     def __init__(self, state: StudioState, wanted: Callable[[], Wanted]) -> None:
-        """Begin and carry on runs.
-
-        Args:
-            state: Where they are shown.
-            wanted: Asked for the settings when a run is begun; may raise BadInput.
-        """
+        """Begin and carry on runs; `wanted` is asked for the settings when one is begun, and may raise BadInput."""
         self.state, self.wanted = state, wanted
         self._begun: dict[Path, tuple[str, int, float]] = {}  # by the folders of the runs begun here: what tells their parts
 
@@ -75,7 +61,11 @@ class Controller:
 
     def step_to_simulation(self) -> None:
         """Go on to the next checkpoint that was simulated, then pause."""
-        self._with_session(lambda session: session.run_until(_simulated))
+
+        def simulated(event: Event) -> bool:
+            return isinstance(event, Checkpointed) and event.checkpoint.simulated_at == event.checkpoint.iteration > 0
+
+        self._with_session(lambda session: session.run_until(simulated))
 
     def pause(self) -> None:
         """Pause after the event in hand, until when the state says that it is going to."""
@@ -95,11 +85,7 @@ class Controller:
     def branch(self, iteration: int, lane: str = "", say: Callable[[str], None] | None = None, **changes: Any) -> None:
         """Begin a new lane at an iteration of the lane on show, with other settings, and carry it on.
 
-        Args:
-            iteration: Where it begins.
-            lane: Its name, "" for the next number.
-            say: Called with what cannot be done, where the button is; the state by default.
-            changes: The other settings, as fields of a recipe.
+        What cannot be done is said to `say`, by default in the state. A lane without a name has the next number.
         """
         run, say = self.state.run, say or self.state.refuse
         if run is None:
@@ -216,7 +202,6 @@ class Controller:
         return self._followed(Session(events), wanted.recipe.schedule.iterations, self.state.expected)
 
     def _carry_on(self, run: Run, *, then_freely: bool = False) -> Session:
-        """A session that carries a lane on."""
         self.state.open(run)
         return self._followed(Session(lambda progress: self._told(run, progress, then_freely=then_freely)), run.recipe.schedule.iterations)
 
@@ -249,7 +234,3 @@ class Controller:
             if run.store.place.is_dir():
                 raise
             raise BadInput(gone(run.store.place)) from error
-
-
-def _simulated(event: Event) -> bool:
-    return isinstance(event, Checkpointed) and event.checkpoint.simulated_at == event.checkpoint.iteration > 0

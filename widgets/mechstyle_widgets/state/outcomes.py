@@ -2,19 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 
-@dataclass(frozen=True)
-class Look:
-    """Look of an outcome.
+class Look(NamedTuple):
+    """Look of an outcome: a letter of its shape, the shape as plotly calls it, and three colours.
 
-    Attributes:
-        mark: A letter of its shape.
-        symbol: The same shape, as plotly calls it.
-        line: Colour of a mark on the ground of either theme, 3:1 at least.
-        fill: Colour of a badge.
-        ink: Colour of words on the badge, 4.5:1 at least.
+    They are those of a mark on the ground of either theme (3:1 at least), of a badge, and of words on the badge (4.5:1 at least).
     """
 
     mark: str

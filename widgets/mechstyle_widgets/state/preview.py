@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
+from typing import NamedTuple
 
 from mechstyle.records import Recipe
 from mechstyle.records.mesh import SurfaceMesh
@@ -14,7 +15,7 @@ from mechstyle.records.regions import Region
 from mechstyle.runs.stylizers import FinishedStyle, finished_style
 from mechstyle.simulation.part import Shape, standardised_before
 from mechstyle_widgets.jupyter.prepare import shape_aside
-from mechstyle_widgets.jupyter.throttle import Timer, running_loop
+from mechstyle_widgets.jupyter.throttle import Timer, in_a_thread, running_loop
 from mechstyle_widgets.state.troubles import sentence
 
 WAIT = 0.15
@@ -29,14 +30,7 @@ _ready: dict[tuple[str, int], Shape] = {}
 
 @dataclass(frozen=True, eq=False)
 class Preview:
-    """A style on a part, not tested.
-
-    Attributes:
-        shape: The part it was drawn on.
-        style: The finished style; None where only running it tells.
-        seconds: How long the drawing took [s].
-        protect: Regions that were protected when it was asked for.
-    """
+    """A style on a part, not tested; no style where only running it tells. `seconds` is the time of drawing [s]."""
 
     shape: Shape
     style: FinishedStyle | None
@@ -51,8 +45,7 @@ class Preview:
         return self.shape.surface.displaced(self.style.relief).coloured(self.style.colour)
 
 
-@dataclass(frozen=True, eq=False)
-class _Wish:
+class _Wish(NamedTuple):
     mesh: SurfaceMesh
     vertices: int
     recipe: Recipe
@@ -75,13 +68,7 @@ class Previewer:
         self._busy = False
 
     def ask(self, mesh: SurfaceMesh, vertices: int, recipe: Recipe) -> bool:
-        """Draw a style on a part, a moment after the last wish; whether it will be.
-
-        Args:
-            mesh: The part [mm].
-            vertices: Of the run that is to come.
-            recipe: Its recipe, as `draft` makes it.
-        """
+        """Draw a style on a part [mm] for a run of so many vertices, a moment after the last wish; whether it will be."""
         if self._loop is None:
             return False
         with self._turn:
@@ -91,12 +78,7 @@ class Previewer:
         return True
 
     def ready(self, mesh: SurfaceMesh, vertices: int) -> SurfaceMesh | None:
-        """The surface on which a style will be drawn, if it is known; None without an event loop, where nothing will.
-
-        Args:
-            mesh: The part [mm].
-            vertices: Of the run that is to come.
-        """
+        """The surface on which a style will be drawn, if it is known; None without an event loop, where nothing will."""
         if self._loop is None:
             return None
         shape = _ready.get((mesh.digest, min(vertices, VERTICES)))
@@ -120,46 +102,34 @@ class Previewer:
             self._timer, wish = None, self._wish
             if wish is not None and not self._busy:
                 self._busy = True
-                threading.Thread(target=self._work, args=(wish,), name="mechstyle-preview", daemon=True).start()
+                end = partial(self._end, wish)
+                in_a_thread(self._loop, partial(self._drawn, wish), end, end)
 
-    def _work(self, wish: _Wish) -> None:
-        """In the thread: draw, and bring the answer to the event loop."""
-        answer: Callable[[], None] = lambda: None  # noqa: E731 — nothing to tell
-        try:
-            answer = partial(self._arrived, self._drawn(wish))
-        except _Overtaken:
-            pass
-        except Exception as error:  # noqa: BLE001 — whatever it is, it is said, and the next wish is drawn
-            answer = partial(self._failed, sentence(error))
-        assert self._loop is not None, "only a loop begins the work"
-        if not self._loop.is_closed():
-            self._loop.call_soon_threadsafe(self._end, wish, answer)
+    def _wanted(self, wish: _Wish) -> bool:
+        """Whether its part is still asked about, in whatever style: the newest follows."""
+        newest = self._wish
+        return newest is not None and newest.mesh is wish.mesh
 
-    def _end(self, wish: _Wish, answer: Callable[[], None]) -> None:
-        self._busy, newest = False, self._wish
+    def _end(self, wish: _Wish, answer: Preview | Exception) -> None:
+        self._busy = False
         try:
-            if newest is not None and newest.mesh is wish.mesh:  # of an earlier setting, perhaps: the newest follows
-                answer()
+            if self._wanted(wish) and not isinstance(answer, _Overtaken):
+                self._failed(sentence(answer)) if isinstance(answer, Exception) else self._arrived(answer)
         finally:
             with self._turn:
                 if self._wish is not wish and self._timer is None:
                     self._begin()
 
     def _drawn(self, wish: _Wish) -> Preview:
-        shape = self._prepared(wish)
-        began = time.monotonic()
-        style = finished_style(shape, wish.recipe)
-        return Preview(shape, style, time.monotonic() - began, wish.recipe.restraint.protect)
+        def go_on() -> None:
+            if not self._wanted(wish):
+                raise _Overtaken
 
-    def _prepared(self, wish: _Wish) -> Shape:
         key = (wish.mesh.digest, wish.vertices)
-        shape = _ready.pop(key, None) or shape_aside(wish.mesh, wish.vertices, lambda: self._go_on(wish))
+        shape = _ready.pop(key, None) or shape_aside(wish.mesh, wish.vertices, go_on)
         _ready[key] = shape
         for old in list(_ready)[:-READY]:
             _ready.pop(old, None)
-        return shape
-
-    def _go_on(self, wish: _Wish) -> None:
-        newest = self._wish
-        if newest is None or newest.mesh is not wish.mesh:
-            raise _Overtaken
+        began = time.monotonic()
+        style = finished_style(shape, wish.recipe)
+        return Preview(shape, style, time.monotonic() - began, wish.recipe.restraint.protect)

@@ -117,8 +117,8 @@ class StudioState(traitlets.HasTraits):
         self._last = ("", -1)  # digest and iteration of the newest checkpoint of the session
         self._seconds: dict[str, float] = {}
         self._rows: dict[str, Row] = {}
-        self._read = lru_cache(maxsize=KEPT)(_checkpoint)
-        self._tested = lru_cache(maxsize=KEPT)(_simulation)
+        self._read = lru_cache(maxsize=KEPT)(Store.checkpoint)
+        self._tested = lru_cache(maxsize=KEPT)(lambda store, digest: store.objects.get_record(digest, Simulation))
         if run is not None:
             self.open(run)
 
@@ -145,7 +145,6 @@ class StudioState(traitlets.HasTraits):
 
     @traitlets.observe(*ASKED, *PLACE)
     def _outlived(self, change: dict[str, Any]) -> None:
-        """A message ends with its cause."""
         if change["name"] in self._ends_with:
             self.message = ""
 
@@ -172,13 +171,13 @@ class StudioState(traitlets.HasTraits):
         """Iterations that the lane on show is to have."""
         return next((branch.iterations for branch in self.branches if branch.lane == self.lane), 1)
 
-    def open(self, run: Run) -> None:
-        """Show a lane of a run at its newest iteration.
-
-        Args:
-            run: The run, opened at the lane to show.
-        """
-        self._open(run, follow=True)
+    def open(self, run: Run, *, follow: bool = True) -> None:
+        """Show a lane of a run, opened at that lane, at its newest iteration, or without `follow` at the one on show."""
+        self._take(run, follow=follow)
+        if not self.busy:  # while nothing is going on, the status is that of the lane on show
+            self.status = "idle" if not self.history else "finished" if run.finished else "stopped"  # it may have ended since it was read
+            self.fraction = self.iterations_done / run.recipe.schedule.iterations
+            self.message = ""
 
     def row(self, iteration: int | None = None, lane: str = "") -> Row | None:
         """Row of an iteration of a lane, by default the current ones; None if it is not there."""
@@ -207,22 +206,12 @@ class StudioState(traitlets.HasTraits):
     @traitlets.observe("lane")
     def _other_lane(self, change: dict[str, Any]) -> None:
         if self.run is not None and self.run.lane != change["new"]:
-            self._open(Run(self.run.store, change["new"], self.run.device), follow=self.follow)
+            self.open(Run(self.run.store, change["new"], self.run.device), follow=self.follow)
 
     @traitlets.observe("iteration")
     def _other_iteration(self, _change: object) -> None:
         self.follow = self.iteration >= self.iterations_done
-        self._show()
-
-    def _read_store(self) -> None:
-        """Bring rows and lanes up to date with what is on disk; the checkpoint follows."""
-        if self.run is not None:
-            self._take(self.run, follow=self.follow)
-
-    def _open(self, run: Run, *, follow: bool) -> None:
-        """Show a lane of a run."""
-        self._take(run, follow=follow)
-        self._rest()
+        self.checkpoint = self.checkpoint_at(self.iteration)
 
     def _take(self, run: Run, *, follow: bool) -> None:
         """Set the run and all that follows from it at once, so that who hears of any of it finds it whole; nothing if it is damaged."""
@@ -242,40 +231,34 @@ class StudioState(traitlets.HasTraits):
             self.history, self.histories, self.branches = history, histories, branches
             self.iterations_done, self.iteration, self.checkpoint = done, iteration, shown
 
-    def _rest(self) -> None:
-        """While nothing is going on, the status is that of the lane on show."""
-        run = self.run
-        if run is None or (self.session is not None and self.session.state in ("running", "paused")):
-            return
-        self.status = "idle" if not self.history else "finished" if run.finished else "stopped"  # it may have ended since it was read
-        self.fraction = self.iterations_done / run.recipe.schedule.iterations
-        self.message = ""
-
-    def _show(self) -> None:
-        self.checkpoint = self.checkpoint_at(self.iteration)
-
     # what is going on
 
     def watch(self, session: Session, iterations: int, foretold: float = 0.0) -> None:
         """Follow a session that is about to start: every event and every change of its state is brought here.
 
-        Args:
-            session: The session.
-            iterations: Where the lane it carries on is to end.
-            foretold: How long it will take, by an estimate [s]; 0 where there is none.
+        Its lane is to end at `iterations`; `foretold` is how long it will take, by an estimate [s], 0 where there is none.
         """
         self.session, self._iterations, self._foretold = session, iterations, foretold
         self._watch, self._outlook, self._last = Stopwatch(), Outlook(), ("", -1)
         session.listen(lambda event: self._hear(event) if session is self.session else None)
-        session.watch(lambda state: self._hear_state(session, state))
+
+        def changed(state: str) -> None:
+            """In whatever thread the session changed its state."""
+            if session is not self.session:
+                return
+            self._watch.run() if state == "running" else self._watch.pause()
+            if state == "failed":
+                self.tell(message=sentence(session.error, None if self.run is None else self.run.store.place), alarming=True)
+            if state != "running":
+                self.tell(stage="", seconds_left=None)
+            self.tell(status="idle" if state == "ready" else state, pausing=False)
+
+        session.watch(changed)
 
     def tell(self, *, stale: bool = False, opened: Run | None = None, **traits: Any) -> None:
-        """Note what traits are to become, from any thread.
+        """Note what traits are to become, from any thread; those of `OF_A_RUN` when the opened run is shown.
 
-        Args:
-            stale: Whether the store holds more than is shown.
-            opened: A run to show from now on.
-            traits: Traits and what they are to become, those of `OF_A_RUN` when that run is shown.
+        `stale` says that the store holds more than is shown, `opened` is a run to show from now on.
         """
         with self._lock:
             self._noted.update(traits)
@@ -284,7 +267,9 @@ class StudioState(traitlets.HasTraits):
             if self._due or self._loop is None:
                 return
             self._due = True
-        self._loop.call_soon_threadsafe(self._soon)
+        loop = self._loop
+        # at most ten times a second
+        loop.call_soon_threadsafe(lambda: loop.call_later(max(0.0, self._pumped + SHORTEST_WAIT - time.monotonic()), self.pump))
 
     def pump(self) -> None:
         """Carry over what was noted; the kernel's event loop calls it, in plain Python whoever wants to see the news does."""
@@ -298,18 +283,14 @@ class StudioState(traitlets.HasTraits):
         try:
             if opened is not None:
                 self.open(opened)
-            elif stale:
-                self._read_store()
+            elif stale and self.run is not None:
+                self._take(self.run, follow=self.follow)
             for name, value in of_it.items():
                 setattr(self, name, value)
         except Exception as error:  # noqa: BLE001 — the event loop would keep it to itself
             shown = opened or self.run
             self.refuse(sentence(error, None if shown is None else shown.store.place))
         self._pumped = time.monotonic()  # what takes long leaves the loop as much time for others
-
-    def _soon(self) -> None:
-        assert self._loop is not None, "only a loop calls this"
-        self._loop.call_later(max(0.0, self._pumped + SHORTEST_WAIT - time.monotonic()), self.pump)
 
     def _hear(self, event: Event) -> None:
         """In the worker thread: what an event means for the traits."""
@@ -345,25 +326,9 @@ class StudioState(traitlets.HasTraits):
         left = self._foretold - self._watch.total
         return {} if self._outlook.known or not self._foretold else {"seconds_left": left if left > 0.0 else None}
 
-    def _hear_state(self, session: Session, state: str) -> None:
-        """In whatever thread a session changed its state."""
-        if session is not self.session:
-            return
-        self._watch.run() if state == "running" else self._watch.pause()
-        if state == "failed":
-            self.tell(message=sentence(session.error, None if self.run is None else self.run.store.place), alarming=True)
-        if state != "running":
-            self.tell(stage="", seconds_left=None)
-        self.tell(status="idle" if state == "ready" else state, pausing=False)
-
 
 class Linked(traitlets.HasTraits):
-    """A view of a state; mixed into a widget.
-
-    Attributes:
-        lane: Name of the lane on show.
-        iteration: Iteration on show; held within those the lane has.
-    """
+    """A view of a state; mixed into a widget. Its lane and iteration are those of the state."""
 
     lane = traitlets.Unicode("main")
     iteration = traitlets.Int(0)
@@ -398,12 +363,3 @@ def called(branches: Sequence[Branch]) -> dict[str, str]:
     """What people call the lanes of a run: what was begun by itself Freestyle or MechStyle, others by their names."""
     own = {branch.lane: "Freestyle" if branch.recipe.restraint.control == "none" else "MechStyle" for branch in branches}
     return {lane: name if lane in ("main", FREE) else lane for lane, name in own.items()}
-
-
-def _checkpoint(store: Store, digest: str) -> Checkpoint:
-    return store.checkpoint(digest)
-
-
-def _simulation(store: Store, digest: str) -> Simulation:
-    return store.objects.get_record(digest, Simulation)
-

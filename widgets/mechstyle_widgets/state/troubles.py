@@ -13,12 +13,7 @@ FULL = (errno.ENOSPC, errno.EDQUOT)
 
 
 def sentence(error: BaseException | None, folder: Path | None = None) -> str:
-    """An error in one sentence.
-
-    Args:
-        error: The error.
-        folder: Of the run on show, None for none: once it is gone, whatever is asked of the run fails by that.
-    """
+    """An error in one sentence; once the folder of the run on show is gone, whatever is asked of it fails by that."""
     if folder is not None and not folder.is_dir():
         return gone(folder)
     if isinstance(error, MechStyleError):
@@ -37,7 +32,6 @@ def gone(folder: Path) -> str:
 
 
 def _of_the_machine(error: OSError) -> str:
-    """What the disk refused."""
     name = Path(str(error.filename)).name if error.filename else "a file"
     if error.errno in FULL:
         return "The disk is full: make room and try again. What was made before is kept."

@@ -36,15 +36,11 @@ LINE, LETTER = 52, 6.6
 """Letters of the longest line of words, and how wide one is at most on average [pixels]."""
 
 Rows = Sequence[Row]
+_wrapped = lru_cache(maxsize=1024)(textwrap.wrap)
 
 
 def filled(traces: Iterable[Mapping[str, Any]], layout: Mapping[str, Any]) -> tuple[list[dict[str, Any]], dict[str, Any]]:
-    """Data and layout as plotly's scripts read them.
-
-    Args:
-        traces: Contents of each trace.
-        layout: What goes with them; of the layout of an empty figure, what it does not name stays.
-    """
+    """Data and layout as plotly's scripts read them; what the layout does not name stays as in an empty figure."""
     empty = _empty()
     data = [{**trace, **content} for trace, content in zip(empty["data"], traces, strict=True)]
     return data, {name: _over(empty["layout"].get(name), layout.get(name)) for name in {**empty["layout"], **layout}}
@@ -94,60 +90,45 @@ def _empty() -> dict[str, Any]:
 def contents(
     histories: Mapping[str, Rows], branches: Sequence[Branch], lane: str, curve: str, theme: str
 ) -> tuple[list[dict[str, Any]], dict[str, Any]]:
-    """Contents of the traces, and the layout that goes with them, for `filled`.
-
-    Args:
-        histories: The rows of every lane, by its name, oldest first.
-        branches: One for each lane.
-        lane: The lane on show.
-        curve: What the lowest row shows, one of CURVES; there is none for "".
-        theme: `light` or `dark`.
-    """
+    """Contents of the traces and the layout that goes with them, for `filled`; `curve`, one of CURVES, is what the lowest row shows."""
     forks = {branch.lane: (branch.forked_at, branch.parent or branch.lane) for branch in branches if branch.forked_at is not None}
     own = {name: [row for row in rows if name not in forks or row.iteration > forks[name][0]] for name, rows in histories.items()}
     others = {name: rows for name, rows in own.items() if name != lane}
     shown = {lane: histories.get(lane, [])}
+    known = [row for row in shown[lane] if curve and getattr(row, curve) is not None]
     traces = [
         *_lanes(own, forks),
         _lines(others, lambda row: row.stress),
         _lines(shown, lambda row: row.limit),
         _stresses(lane, shown[lane]),
         _lines(others if curve else {}, lambda row: getattr(row, curve)),
-        _curve(lane, shown[lane], curve),
+        {**_marks([(lane, row) for row in known]), "y": [getattr(row, curve) for row in known]},
         _planned(lane, ()),
     ]
     limited = next((row for row in reversed(shown[lane]) if row.limit is not None), None)
     layout = _layout(list(histories), called(branches), lane, curve, theme, max((branch.iterations for branch in branches), default=1))
-    return traces, {**layout, "annotations": [] if limited is None else [_limit_note(limited, theme)]}
+    notes = []
+    if limited is not None:  # in words, above the end of its line and left of the upright one that may be there
+        place = {"x": limited.iteration, "xref": "x", "xanchor": "right", "y": limited.limit, "yref": "y2", "yanchor": "bottom"}
+        look = {"showarrow": False, "font": {"size": 10, "color": BEYOND[theme]}, "xshift": -8}
+        notes.append({"text": said(f"limit {limited.limit:.3g} MPa"), **look, **place})
+    return traces, {**layout, "annotations": notes}
 
 
 def before(plan: Plan | None, lane: str, curve: str, theme: str, width: int) -> tuple[list[dict[str, Any]], dict[str, Any]]:
-    """As `contents`, for a run without an iteration.
-
-    Args:
-        plan: Where it will simulate, None if that is not known.
-        lane: Name of its lane.
-        curve: As for `contents`.
-        theme: As for `contents`.
-        width: Of the figure [pixels].
-    """
+    """As `contents`, for a run without an iteration, in a figure so wide [pixels]; the plan is None if it is not known."""
     places = (0, *plan.places) if plan else ()
     traces, layout = contents({lane: []}, [], lane, curve, theme)
-    words = {"text": "<br>".join(_prospect(plan, width)), "showarrow": False, "font": {"size": 12}}
+    text = word("Nothing has run yet.")
+    if plan is not None:
+        text = word("Nothing has run yet. The part will be dropped at the hollow marks.")
+        text += "" if plan.certain else " " + word("They may move: the run decides.")
+    letters = min(max(int((width - LEFT - RIGHT) / LETTER), 12), LINE)  # of a line that fits between the axes
+    words = {"text": "<br>".join(textwrap.wrap(text, letters)), "showarrow": False, "font": {"size": 12}}
     middle = {"x": 0.5, "xref": "paper", "xanchor": "center", "y": 0.5, "yref": "y2 domain", "yanchor": "middle"}
     empty_axes = {axis: {**layout[axis], "showticklabels": False} for axis in ("yaxis2", "yaxis3")}
     ranges = {axis: _range(places[-1] if places else 1) for axis in ("xaxis", "xaxis2")}
     return [*traces[:-1], _planned(lane, places)], {**layout, **empty_axes, **ranges, "annotations": [{**words, **middle}]}
-
-
-def _prospect(plan: Plan | None, width: int) -> list[str]:
-    """Text shown before a run, in lines that fit between the axes of a figure so wide [pixels]."""
-    letters = min(max(int((width - LEFT - RIGHT) / LETTER), 12), LINE)
-    if plan is None:
-        return [word("Nothing has run yet.")]
-    said = word("Nothing has run yet. The part will be dropped at the hollow marks.")
-    about = "" if plan.certain else " " + word("They may move: the run decides.")
-    return textwrap.wrap(said + about, letters)
 
 
 def _planned(lane: str, places: Sequence[int]) -> dict[str, Any]:
@@ -205,35 +186,18 @@ def _around(marks: Sequence[tuple[str, Row]]) -> dict[str, Any]:
     return {"color": DOUBT, "width": [2 if row.verdict is not None and row.verdict.doubts else 0 for _, row in marks]}
 
 
-def _curve(lane: str, rows: Rows, curve: str) -> dict[str, Any]:
-    known = [row for row in rows if curve and getattr(row, curve) is not None]
-    return {**_marks([(lane, row) for row in known]), "y": [getattr(row, curve) for row in known]}
-
-
 def story(lane: str, row: Row) -> str:
     """Hover text of an iteration."""
     lines = [f"<b>{escape(lane)} · {word('iteration')} {row.iteration}</b>"]
     if row.outcome:
         lines.append(escape(said(f"{row.outcome}, simulated because: {row.reason}")))
-        lines += _wrapped(said(row.words))
+        lines += _wrapped(escape(said(row.words)), 70)
     figures = [f"{word('style still missing')} {row.style_loss:.3g}"]
     if row.travel is not None:
         figures.append(said(f"travel {row.travel:.2f} of the threshold"))
     if row.seconds is not None:
         figures.append(f"{row.seconds:.1f} s")
     return "<br>".join([*lines, " · ".join(figures)])
-
-
-@lru_cache(maxsize=1024)
-def _wrapped(words: str) -> list[str]:
-    return textwrap.wrap(escape(words), 70)
-
-
-def _limit_note(row: Row, theme: str) -> dict[str, Any]:
-    """The limit in words, above the end of its line and left of the upright one that may be there."""
-    place = {"x": row.iteration, "xref": "x", "xanchor": "right", "y": row.limit, "yref": "y2", "yanchor": "bottom"}
-    words = {"text": said(f"limit {row.limit:.3g} MPa"), "showarrow": False, "font": {"size": 10, "color": BEYOND[theme]}}
-    return {**words, **place, "xshift": -8}
 
 
 def _layout(lanes: Sequence[str], known: Mapping[str, str], lane: str, curve: str, theme: str, iterations: int) -> dict[str, Any]:

@@ -2,22 +2,53 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import ipywidgets
 import traitlets
+from plotly.offline import get_plotlyjs
 
 from mechstyle_widgets.jupyter.cell_output import OncePerCell
-from mechstyle_widgets.jupyter.closing import close_family
 from mechstyle_widgets.jupyter.frame import Framed, unseen
-from mechstyle_widgets.jupyter.looks import lean, sharing, show
+from mechstyle_widgets.jupyter.looks import close_family, lean, sharing, show, unheard
+from mechstyle_widgets.jupyter.page_widget import PageWidget, static
 from mechstyle_widgets.jupyter.throttle import Paced
 from mechstyle_widgets.replay.scrubber import Scrubber
 from mechstyle_widgets.state.schedule_forecast import plan_of
 from mechstyle_widgets.state.studio_state import Linked, StudioState
 from mechstyle_widgets.timeline import figure as timeline_figure
-from mechstyle_widgets.timeline.curves import Curves
 from mechstyle_widgets.timeline.figure import CURVES, TEMPLATES
+
+
+class Curves(PageWidget):
+    """A figure that is drawn by plotly in the page from traces and layout, as its scripts read them.
+
+    `head` is where the first shape of the layout, an upright line, stands.
+    """
+
+    _esm = static("timeline", "curves.js")
+    data: Any = traitlets.List().tag(sync=True)
+    frame = traitlets.Dict().tag(sync=True)
+    head = traitlets.Float(0.0).tag(sync=True)
+
+    def __init__(self, clicked: Callable[[int, int], None]) -> None:
+        """Draw nothing yet; `clicked` is called with the numbers of the trace and of the point in it."""
+        super().__init__()
+        self._told = clicked
+        self.on_msg(self._hear)
+
+    def show(self, data: list[dict[str, Any]], frame: dict[str, Any]) -> None:
+        """Draw these traces in this layout."""
+        with self.hold_sync():
+            self.data, self.frame = data, frame
+
+    def _hear(self, _widget: Any, message: Any, _buffers: Any) -> None:
+        kind = message.get("kind") if isinstance(message, dict) else None
+        if kind == "plotly":
+            self.send({"kind": "plotly"}, [get_plotlyjs().encode()])
+        elif kind == "click":
+            self._told(int(message["trace"]), int(message["point"]))
 
 
 class Timeline(Linked, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
@@ -38,13 +69,7 @@ class Timeline(Linked, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[mi
 
     @sharing()
     def __init__(self, state: StudioState, *, theme: str = "light", width: int = 900) -> None:
-        """Tell the story of a state's run.
-
-        Args:
-            state: What is shown.
-            theme: `light` or `dark`.
-            width: Width of the timeline [pixels].
-        """
+        """Tell the story of a state's run, so wide [pixels]."""
         self._state, self.theme = state, theme
         self._width = width
         self._curves = Curves(self._clicked)
@@ -62,8 +87,7 @@ class Timeline(Linked, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[mi
         self._redraw, self._point = Paced(self._draw, state.alert), Paced(self._move_line, state.alert)
         self.link(state)
         traitlets.link((self, "curve"), (choice, "value"))
-        state.observe(self._grown, ("histories", "branches", "lane"))
-        state.observe(self._replanned, "settings")
+        state.observe(self._heard, ("histories", "branches", "lane", "settings"))
         self.observe(lambda _: self._redraw(), ("curve", "theme"))
         self.observe(lambda _: self._point(), "iteration")
         self._move_line()
@@ -84,18 +108,14 @@ class Timeline(Linked, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[mi
         self._point.cancel()
         if self._links:
             self.unlink()
-            self._state.unobserve(self._grown, ("histories", "branches", "lane"))
-            self._state.unobserve(self._replanned, "settings")
+            self._state.unobserve(self._heard, ("histories", "branches", "lane", "settings"))
         close_family(self)
         super().close()
 
     # what is drawn
 
-    def _grown(self, _change: object) -> None:
-        self._redraw()
-
-    def _replanned(self, _change: object) -> None:
-        if not self._begun:
+    def _heard(self, change: dict[str, Any]) -> None:
+        if change["name"] != "settings" or not self._begun:  # before a run its plan is on show
             self._redraw()
 
     @property
@@ -107,7 +127,6 @@ class Timeline(Linked, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[mi
         self._move_line()
 
     def _draw_curves(self) -> None:
-        """Draw what the state holds."""
         state, lane = self._state, self._state.lane
         if self._begun:
             traces, layout = timeline_figure.contents(state.histories, state.branches, lane, self.curve, self.theme)
@@ -117,16 +136,12 @@ class Timeline(Linked, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[mi
         self._curves.show(*timeline_figure.filled(traces, {**layout, "width": self._width}))
 
     def _move_line(self) -> None:
-        self._set_slider()
-        self._curves.head = self.iteration
-
-    def _set_slider(self) -> None:
-        """Show the iteration on the slider; its end goes first, in a message of its own: browsers send a value beyond it back cut off."""
-        self.scrubber.unobserve(self._slid, "value")  # a shorter lane cuts the value off as well
-        self.scrubber.max = max(self._state.iterations_done, self.iteration, 1)
-        self.scrubber.value = self.iteration
+        """Show the iteration; the end of the slider goes first, in a message of its own: browsers send a value beyond it back cut off."""
+        with unheard(self.scrubber, self._slid):  # a shorter lane cuts the value off as well
+            self.scrubber.max = max(self._state.iterations_done, self.iteration, 1)
+            self.scrubber.value = self.iteration
         show(self._bar, self._begun)  # there is nowhere to go yet
-        self.scrubber.observe(self._slid, "value")
+        self._curves.head = self.iteration
 
     # what the user does
 
@@ -136,7 +151,6 @@ class Timeline(Linked, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[mi
             self._point()
 
     def _clicked(self, trace: int, point: int) -> None:
-        """Show the lane and the iteration of a point."""
         marks = self._curves.data[trace]
         if "customdata" in marks:
             [self._state.lane] = marks["customdata"][point]

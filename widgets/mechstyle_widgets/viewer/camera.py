@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -34,30 +33,24 @@ class Orbit:
 
     Attributes:
         three: The camera of pythreejs; several views may share it and then move together.
+        controls: The mouse controls of the views that share it.
         home: Where the part lies in view when fitted: its `target` [mm] is the origin of the scene.
     """
 
-    def __init__(self, mesh: SurfaceMesh, aspect: float, view: str = "three_quarter") -> None:
-        """Look at a part from one of `VIEWS`, through a window of `aspect` = width over height."""
+    def __init__(self, mesh: SurfaceMesh, aspect: float) -> None:
+        """Look at a part through a window of `aspect` = width over height."""
         self._floor = floor_corners(mesh)
         self.follow(mesh)
-        self.home = Camera.named(view, self._points, aspect=aspect)
-        self.three = pythreejs.PerspectiveCamera(position=self._eye(self.home), up=[0.0, 0.0, 1.0], aspect=aspect, **self._lens())
-        self._controls = [self.control()]
-
-    def control(self) -> Any:
-        """Mouse control of one more view that shares the camera."""
-        return pythreejs.OrbitControls(controlling=self.three)
-
-    @property
-    def controls(self) -> list[Any]:
-        """The control of the first view."""
-        return self._controls
+        self.home = Camera.named("three_quarter", self._points, aspect=aspect)
+        place = np.subtract(self.home.eye, self.home.target).tolist()
+        self.three = pythreejs.PerspectiveCamera(position=place, up=[0.0, 0.0, 1.0], aspect=aspect, **self._lens())
+        self.controls: list[Any] = []
+        self.share()
 
     def share(self) -> Any:
-        """A control for another view of the same camera."""
-        self._controls.append(self.control())
-        return self._controls[-1]
+        """The mouse control of one more view of the camera."""
+        self.controls.append(pythreejs.OrbitControls(controlling=self.three))
+        return self.controls[-1]
 
     def follow(self, mesh: SurfaceMesh) -> None:
         """Take it that the part looks so now: that is what is fitted into view."""
@@ -128,8 +121,8 @@ class Orbit:
 
     def _take(self, seen: Camera) -> None:
         target = np.subtract(seen.target, self.home.target).tolist()
-        self.three.position = (np.add(self._eye(seen), target)).tolist()
-        for control in self._controls:
+        self.three.position = np.subtract(seen.eye, self.home.target).tolist()
+        for control in self.controls:
             control.target = target
             control.exec_three_obj_method("update")
 
@@ -141,7 +134,7 @@ class Orbit:
     @property
     def seen(self) -> Camera:
         """The camera as it stands now, in the part's own coordinates."""
-        target = np.asarray(self._controls[0].target, dtype=np.float64)
+        target = np.asarray(self.controls[0].target, dtype=np.float64)
         away = np.asarray(self.three.position, dtype=np.float64) - target
         distance = float(np.linalg.norm(away))
         elevation = math.degrees(math.asin(np.clip(away[2] / distance, -1.0, 1.0)))
@@ -154,18 +147,10 @@ class Orbit:
         seen = self.seen
         return height / (2.0 * seen.distance * math.tan(math.radians(seen.field_of_view / 2)))
 
-    def observe(self, moved: Callable[[Any], None]) -> None:
-        """Call `moved` when the mouse has let go of the camera."""
-        self.three.observe(moved, "position")
-
     def _lens(self) -> dict[str, float]:
         """Opening, and where what is seen begins and ends."""
         distance = self.home.distance
         return {"fov": self.home.field_of_view, "near": distance / NEAREST[self.parallel], "far": distance * FARTHEST}
-
-    @staticmethod
-    def _eye(camera: Camera) -> list[float]:
-        return np.subtract(camera.eye, camera.target).tolist()
 
 
 def _upright(elevation: float) -> float:

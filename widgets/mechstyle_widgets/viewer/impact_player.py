@@ -12,18 +12,16 @@ import msgspec
 import numpy as np
 import traitlets
 
-from mechstyle.fea.explicit import Progress
 from mechstyle.fea.orientations import FLAT, UP
 from mechstyle.pictures.fields import moment
 from mechstyle.records import Landing, Verdict
 from mechstyle.records.regions import Point
 from mechstyle.records.sentences import length
 from mechstyle.simulation.impact import Impact, impact_of
-from mechstyle_widgets.jupyter.closing import close_family
 from mechstyle_widgets.jupyter.frame import unseen
 from mechstyle_widgets.jupyter.language import said
-from mechstyle_widgets.jupyter.looks import lean
-from mechstyle_widgets.jupyter.throttle import Timer, running_loop
+from mechstyle_widgets.jupyter.looks import close_family, lean
+from mechstyle_widgets.jupyter.throttle import Timer, in_a_thread, running_loop
 from mechstyle_widgets.state.studio_state import StudioState
 from mechstyle_widgets.state.troubles import sentence
 from mechstyle_widgets.viewer.layers import Subject, layer_of
@@ -94,7 +92,7 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
         self._offer()
         traitlets.link((factor, "value"), (self, "exaggeration"))
         self._button.on_click(lambda _: self.play())
-        self._peak.on_click(lambda _: self._go_to_the_peak())
+        self._peak.on_click(self._go_to_the_peak)
         self._away.on_click(lambda _: self.put_away())
         state.observe(self._other_part, "checkpoint")
         self._built = True
@@ -107,8 +105,7 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
     def play(self, *, once: bool = False) -> None:
         """Work the impact out, unless that is being done, in a thread where there is an event loop to bring it back, and show it.
 
-        Args:
-            once: Whether it is played at once, in slow motion, from first touch to the peak.
+        With `once` it is played at once, in slow motion, from first touch to the peak.
         """
         run, checkpoint = self._state.run, self._state.checkpoint
         if run is None or checkpoint is None or self.working:
@@ -119,20 +116,35 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
         shown = [checkpoint, *(self._state.checkpoint_at(iteration, lane) for lane, iteration in self.beside)]
         fallen = [one for one in shown if one is not None]
 
-        def drop(progress: Progress) -> list[Impact]:
-            def part_of(number: int) -> Progress:
-                return lambda fraction: progress((number + fraction) / len(fallen))
+        loop, over = running_loop(), self._over
 
+        def drop() -> list[Impact]:
             return [
-                impact_of(part, store.recipe(one.recipe), one.displacement, store.memo, part_of(number), landing)
+                impact_of(part, store.recipe(one.recipe), one.displacement, store.memo, partial(progress, number), landing)
                 for number, one in enumerate(fallen)
             ]
 
-        loop = running_loop()
-        if loop is None:
-            self._work(drop, self._over, lambda function, *given: function(*given))
-        else:
-            threading.Thread(target=self._work, args=(drop, self._over, loop.call_soon_threadsafe), daemon=True).start()
+        def progress(number: int, fraction: float) -> None:
+            if over.is_set():
+                raise _Cancelled
+            tell = partial(heard, partial(setattr, self._progress, "value"), (number + fraction) / len(fallen))
+            tell() if loop is None else loop.call_soon_threadsafe(tell)
+
+        def failed(error: Exception) -> None:
+            """Whatever it is, it is said, and it can be tried again."""
+            over.set()
+            self._said.value = said(sentence(error, run.store.place))
+            self._say(self._start, self._said)
+
+        def heard(act: Callable[[Any], None], given: Any) -> None:
+            if over.is_set():
+                return
+            try:
+                act(given)
+            except Exception as error:  # noqa: BLE001 — it would end in a log, and the bar stand for ever
+                failed(error)
+
+        in_a_thread(loop, drop, partial(heard, self._show), partial(heard, failed))
 
     def land(self, name: str) -> None:
         """Choose a landing of the last simulation by its name; one that is not there changes nothing."""
@@ -146,12 +158,9 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
         self._say(self._start)
 
     def at_the_moment(self, subject: Subject, verdict: Verdict | None, pane: int = 0) -> Subject:
-        """A subject as the impact has it now, the stress of the moment against the limit of its landing; as it is without one.
+        """A subject at rest as the impact has it now, the stress of the moment against the limit of its landing; as it is without one.
 
-        Args:
-            subject: The part at rest.
-            verdict: What it was judged to be, which tells the limit; None for the material's strength.
-            pane: 0 for the part on show, 1 and more for what stands beside it.
+        Without a verdict the limit is the material's strength. Pane 0 is the part on show, 1 and more are what stands beside it.
         """
         impacts = (self.impact, *self._others)
         impact = impacts[pane] if pane < len(impacts) else None
@@ -180,46 +189,9 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
             close_family(self, self._start, self._progress, self._moments, self._said, self._link)
         super().close()
 
-    def _work(self, drop: Callable[[Progress], list[Impact]], over: threading.Event, bring: Callable[..., Any]) -> None:
-        """In the thread: the drop, and its answer brought to the event loop, where it counts unless it is over by then."""
-
-        def failed(error: Exception) -> None:
-            run = self._state.run
-            self._fail(sentence(error, None if run is None else run.store.place))
-
-        def heard(act: Callable[..., None], *given: Any) -> None:
-            if over.is_set():
-                return
-            try:
-                act(*given)
-            except Exception as error:  # noqa: BLE001 — it would end in a log, and the bar stand for ever
-                failed(error)
-
-        def progress(fraction: float) -> None:
-            if over.is_set():
-                raise _Cancelled
-            bring(heard, self._report, fraction)
-
-        try:
-            impacts = drop(progress)
-        except _Cancelled:
-            return
-        except Exception as error:  # noqa: BLE001 — whatever it is, it is said, and it can be tried again
-            bring(heard, failed, error)
-        else:
-            bring(heard, self._show, impacts)
-
     def _say(self, *widgets: ipywidgets.Widget) -> None:
         self.children = widgets
         (self.add_class if widgets == (self._start,) else self.remove_class)("mechstyle-player-start")
-
-    def _report(self, fraction: float) -> None:
-        self._progress.value = fraction
-
-    def _fail(self, why: str) -> None:
-        self._over.set()
-        self._said.value = said(why)
-        self._say(self._start, self._said)
 
     def _show(self, impacts: list[Impact]) -> None:
         self._over.set()
@@ -246,13 +218,12 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
             self._falling.cancel()
             self._falling = None
 
-    def _go_to_the_peak(self) -> None:
+    def _go_to_the_peak(self, _button: object) -> None:
         if self.impact is not None:
             self._halt()
             self._slider.value = self._play.value = self.impact.peak
 
     def _offer(self) -> None:
-        """Offer the landings of the last simulation."""
         run, checkpoint = self._state.run, self._state.checkpoint
         found: tuple[Landing, ...] = ()
         if run is not None and checkpoint is not None and checkpoint.simulation:

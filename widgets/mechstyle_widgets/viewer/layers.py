@@ -98,12 +98,7 @@ class Layer:
 
 @dataclass(frozen=True, eq=False)
 class Subject:
-    """Subject of the view.
-
-    Attributes:
-        mesh: The part [mm].
-        layers: Fields over its surface.
-    """
+    """Subject of the view: the part [mm], and fields over its surface."""
 
     mesh: SurfaceMesh
     layers: tuple[Layer, ...] = ()
@@ -129,13 +124,9 @@ class Subject:
 
 
 def layer_of(quantity: Quantity, values: NDArray[Any], seen: NDArray[Any] | None = None, note: str = "") -> Layer:
-    """A layer of a quantity.
+    """A layer of a quantity with a field [unit], shape [vertex_count], and perhaps a note instead of the quantity's own.
 
-    Args:
-        quantity: Its row in the table of what can be looked at.
-        values: The field [unit], shape [vertex_count].
-        seen: What the colours have to show, of any shape; the values by default.
-        note: What a reader should know of these values, the quantity's own note by default.
+    The colours show all of `seen`, of any shape; the values by default.
     """
     limits, text_at = quantity.limits(values if seen is None else seen), note or quantity.note
     words = (text_at, quantity.title, quantity.said, quantity.most, quantity.judged)

@@ -26,20 +26,23 @@ MOST_TICKS, CROWDED = 6, 0.12
 
 
 def colour_bar(layer: Layer, mesh: SurfaceMesh, bands: int = 0, *, brief: bool = False) -> str:
-    """HTML of a layer's caption, colours, ticks, limit and extremes, and of how much of the surface lies above the limit.
+    """HTML of a layer's caption, colours (`bands`, 0 for all), ticks and limit, and of what is known of its surface.
 
-    Args:
-        layer: The field.
-        mesh: Its surface.
-        bands: How many colours it is shown in, 0 for all.
-        brief: Whether to leave out what is said of the surface, as where several share the bar.
+    `brief` leaves out what is said of the surface, as where several share the bar.
     """
-    scale = layer.scale
-    ticks = [_tick(place, min(max(place, 0.0), 1.0), words) for place, words in _ticks(scale, layer.judged)]
+    scale, ticks = layer.scale, ""
+    for place, words in _ticks(scale, layer.judged):  # a share of each number's own width stands at the same share of the bar
+        shift = min(max(place, 0.0), 1.0)
+        ticks += f'<span style="position:absolute;left:{place:.1%};transform:translateX(-{shift:.0%})">{words}</span>'
+    beyond = ""
+    if layer.threshold is not None and not brief:
+        there, side = scale.beyond(layer.values), "below" if scale.lower_is_worse else "above"
+        share = f"{mesh.vertex_areas[there].sum() / mesh.vertex_areas.sum():.1%} of the surface is" if there.any() else "nothing is"
+        beyond = escape(translated(f"{share} {side} the limit of {layer.threshold:.3g} {layer.unit}".rstrip()))
     lines = [f"<div><b>{escape(translated(layer.caption))}</b></div>"]
     lines.append(f'<div style="width:{BAR_WIDTH}px;height:12px;border-radius:2px;background:{_gradient(scale, bands)}"></div>')
-    lines.append(f'<div style="position:relative;width:{BAR_WIDTH}px;height:1.5em">{"".join(ticks)}</div>')
-    said = () if brief else (_extremes(layer), _share_beyond(layer, mesh), escape(translated(layer.note)))
+    lines.append(f'<div style="position:relative;width:{BAR_WIDTH}px;height:1.5em">{ticks}</div>')
+    said = () if brief else (_extremes(layer), beyond, escape(translated(layer.note)))
     lines += [f'<div style="color:{FAINT}">{line}</div>' for line in said if line]
     return _block("".join(lines))
 
@@ -53,12 +56,7 @@ def scale_bar(pixels_per_mm: float, cell: float) -> str:
 
 
 def protected(vertices: NDArray[np.bool_], mesh: SurfaceMesh) -> str:
-    """HTML of what the grey hatch means and how much of the surface it covers; "" where it covers nothing.
-
-    Args:
-        vertices: Whether each vertex is protected, shape [vertex_count].
-        mesh: The surface.
-    """
+    """HTML of what the grey hatch means and how much of the surface it covers, shape [vertex_count]; "" where it covers nothing."""
     if not vertices.any():
         return ""
     share = mesh.vertex_areas[vertices].sum() / mesh.vertex_areas.sum()
@@ -68,17 +66,12 @@ def protected(vertices: NDArray[np.bool_], mesh: SurfaceMesh) -> str:
     return _block(f'<span style="{box}"></span>{words}')
 
 
-def ruler(ends: Sequence[Point]) -> str:
-    """HTML of the distance between two places [mm], and how it lies."""
-    along = np.subtract(ends[1], ends[0])
-    x, y, z = (f"{value:+.2f}" for value in along)
-    return f"<span><b>{np.linalg.norm(along):.2f} mm</b> &ensp;{word('along')} x {x}, y {y}, z {z}</span>"
-
-
 def said(tool: str, ends: Sequence[Point]) -> str:
-    """HTML of what is measured between places [mm], else of what the tool in hand is for."""
+    """HTML of the distance between two places [mm] and how it lies, else of what the tool in hand is for."""
     if len(ends) == 2:
-        return ruler(ends)
+        along = np.subtract(ends[1], ends[0])
+        x, y, z = (f"{value:+.2f}" for value in along)
+        return f"<span><b>{np.linalg.norm(along):.2f} mm</b> &ensp;{word('along')} x {x}, y {y}, z {z}</span>"
     which = "a second place" if ends else "a place"
     words = {
         "measure": f"Click {which} on the part to measure; Enter takes the cross, Esc leaves",
@@ -106,15 +99,6 @@ def _extremes(layer: Layer) -> str:
     most = translated(layer.most) or f"max {layer.at(found[0])}"
     words = escape(f"○ {most}   ▽ min {layer.at(found[1])}").replace("   ", " &emsp; ")
     return f'<span title="{word("dashed where it is on the far side")}">{words}</span>'
-
-
-def _share_beyond(layer: Layer, mesh: SurfaceMesh) -> str:
-    if layer.threshold is None:
-        return ""
-    beyond = layer.scale.beyond(layer.values)
-    share = f"{mesh.vertex_areas[beyond].sum() / mesh.vertex_areas.sum():.1%} of the surface is" if beyond.any() else "nothing is"
-    side = "below" if layer.scale.lower_is_worse else "above"
-    return escape(translated(f"{share} {side} the limit of {layer.threshold:.3g} {layer.unit}".rstrip()))
 
 
 def _ticks(scale: Scale, judged: float | None = None) -> list[tuple[float, str]]:
@@ -151,8 +135,3 @@ def _gradient(scale: Scale, bands: int) -> str:
 def _css(colour: tuple[float, ...]) -> str:
     r, g, b = np.rint(255 * np.asarray(colour)).astype(int).tolist()
     return f"rgb({r},{g},{b})"
-
-
-def _tick(place: float, anchor: float, text: str) -> str:
-    """A number under the bar: the share `anchor` of its own width stands at the share `place` of the bar's."""
-    return f'<span style="position:absolute;left:{place:.1%};transform:translateX(-{anchor:.0%})">{text}</span>'

@@ -5,15 +5,15 @@ from __future__ import annotations
 import base64
 import csv
 import io
+import math
 from collections.abc import Callable, Sequence
 from functools import partial
 
 import ipywidgets
 import numpy as np
 
-from mechstyle_widgets.jupyter.closing import close_family
 from mechstyle_widgets.jupyter.language import word
-from mechstyle_widgets.jupyter.looks import lean, show
+from mechstyle_widgets.jupyter.looks import close_family, lean, show
 from mechstyle_widgets.viewer.layers import Subject
 
 COLUMNS = (("stress", "stress [MPa]"), ("safety_factor", "safety factor"), ("thickness", "wall [mm]"))
@@ -24,12 +24,7 @@ BOM = "\ufeff"
 
 
 class Places(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
-    """The list under the view; nothing while it is empty.
-
-    Attributes:
-        rows: Text of each cell: place and a value for each of COLUMNS.
-        table: All that is known of the places, as CSV.
-    """
+    """The list under the view, nothing while it is empty; as text in `rows`, a place and a value for each of COLUMNS, as CSV in `table`."""
 
     def __init__(self, fly: Callable[[int], None], remove: Callable[[int | None], None]) -> None:
         """An empty list; `fly` is called with the place, counted from 0, to look at, `remove` with the one to take away, None for all."""
@@ -51,7 +46,7 @@ class Places(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
     def show(self, subject: Subject, vertices: Sequence[int]) -> None:
         """List vertices of a subject with their values in it."""
         fewer = len(vertices) < len(self.rows)
-        self.rows = [[_place(subject, vertex), *(_value(subject, name, vertex) for name, _ in COLUMNS)] for vertex in vertices]
+        self.rows = [_row(subject, vertex) for vertex in vertices]
         self.table = as_csv(subject, vertices) if vertices else ""
         while len(self._lines) < len(self.rows):
             self._lines.append(self._line(len(self._lines)))
@@ -97,10 +92,7 @@ def as_csv(subject: Subject, vertices: Sequence[int]) -> str:
     return text.getvalue()
 
 
-def _place(subject: Subject, vertex: int) -> str:
-    return ", ".join(f"{value:.1f}" for value in subject.mesh.vertices[vertex])
-
-
-def _value(subject: Subject, name: str, vertex: int) -> str:
-    layer = subject.layer(name)
-    return "–" if layer is None or not np.isfinite(layer.values[vertex]) else f"{layer.values[vertex]:.3g}"
+def _row(subject: Subject, vertex: int) -> list[str]:
+    place = ", ".join(f"{value:.1f}" for value in subject.mesh.vertices[vertex])
+    values = [math.nan if (layer := subject.layer(name)) is None else float(layer.values[vertex]) for name, _ in COLUMNS]
+    return [place, *(f"{value:.3g}" if math.isfinite(value) else "–" for value in values)]

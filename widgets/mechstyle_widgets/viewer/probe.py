@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
 from html import escape
@@ -9,11 +10,9 @@ from typing import Any
 
 import numpy as np
 import pythreejs
-import trimesh
 from numpy.typing import NDArray
 
 from mechstyle.records.mesh import Floats, SurfaceMesh
-from mechstyle.records.regions import Point
 from mechstyle_widgets.jupyter.language import said
 from mechstyle_widgets.viewer.layers import Subject
 from mechstyle_widgets.viewer.legend import FAINT, INK
@@ -25,11 +24,7 @@ NOWHERE = (0.0, 0.0, 0.0)
 
 
 class Picker:
-    """Clicks on a part, given as the nearest vertex.
-
-    Attributes:
-        three: The control of pythreejs that listens to the mouse.
-    """
+    """Clicks on a part, given as the nearest vertex; `three` is the control of pythreejs that listens to the mouse."""
 
     def __init__(self, part: Any, camera: Any, picked: Callable[[tuple[float, float, float], int], None]) -> None:
         """Call `picked` with the point [mm, about the scene's origin] and the face of every click that is no drag."""
@@ -64,29 +59,20 @@ def seen_from(mesh: SurfaceMesh, vertex: int) -> Floats:
     return normal
 
 
-def _sides() -> Floats:
-    """Unit vectors to look from, those that show most of a part first, shape [n, 3]."""
-    azimuths, elevations = np.radians(np.arange(35.0, 395.0, 30.0)), np.radians([28.0, 5.0, 60.0, -25.0, -50.0])
-    return np.array([
-        (np.sin(a) * np.cos(e), -np.cos(a) * np.cos(e), np.sin(e)) for e in elevations for a in azimuths
-    ])  # fmt: skip
-
-
-_SIDES = _sides()
+_SIDES = np.array([
+    (math.sin(a) * math.cos(e), -math.cos(a) * math.cos(e), math.sin(e))
+    for e in np.radians([28.0, 5.0, 60.0, -25.0, -50.0]) for a in np.radians(np.arange(35.0, 395.0, 30.0))
+])  # fmt: skip
+"""Unit vectors to look from, those that show most of a part first, shape [n, 3]."""
 GRAZING = 0.25
 """Cosine of the flattest angle under which a place can be read."""
 
 
 def struck(mesh: SurfaceMesh, eye: Any, towards: Any, keeps: Callable[[Any], NDArray[np.bool_]]) -> tuple[Floats, int] | None:
-    """The first place on a surface that a line of sight meets where it is left by a cut, and the face; None if it misses it.
+    """The first place on a surface [mm] that a line of sight meets where a cut leaves it, and the face; None if it misses it.
 
-    Where the line meets the face from within, as through a cut, it counts for the face all the same.
-
-    Args:
-        mesh: The surface [mm].
-        eye: Where the line begins [mm].
-        towards: Its direction.
-        keeps: Whether points, shape [n, 3], are left.
+    Where the line meets the face from within, as through a cut, it counts for the face all the same. `keeps` tells of points, shape
+    [n, 3], whether they are left.
     """
     corner, along = mesh.corners[:, 0], mesh.corners[:, 1:] - mesh.corners[:, :1]
     across = np.cross(towards, along[:, 1])
@@ -106,19 +92,6 @@ def struck(mesh: SurfaceMesh, eye: Any, towards: Any, keeps: Callable[[Any], NDA
     return points[first], int(met[first])
 
 
-def nearest_corner(subject: Subject, face: int, point: Any) -> int:
-    """The vertex of a face that is nearest to a point [mm]."""
-    corners = subject.mesh.faces[face]
-    return int(corners[np.linalg.norm(subject.mesh.vertices[corners] - point, axis=1).argmin()])
-
-
-def carried_over(face: int, point: Any, shown: SurfaceMesh, rest: SurfaceMesh) -> Point:
-    """The place on a part at rest [mm] of a point [mm] on a face of the same part as it is shown."""
-    weights = trimesh.triangles.points_to_barycentric(shown.corners[[face]], np.atleast_2d(point))  # type: ignore[no-untyped-call]
-    x, y, z = (weights[0] @ rest.corners[face]).tolist()
-    return (x, y, z)
-
-
 def brief(subject: Subject, vertex: int, name: str) -> str:
     """HTML of where a vertex is, and of its value in the layer of a name."""
     layer, place = subject.layer(name), ", ".join(f"{value:.1f}" for value in subject.mesh.vertices[vertex])
@@ -128,24 +101,16 @@ def brief(subject: Subject, vertex: int, name: str) -> str:
 
 def table(subject: Subject, vertex: int) -> str:
     """HTML of a vertex's place and of its value in every layer."""
-    place = ", ".join(f"{value:.2f}" for value in subject.mesh.vertices[vertex])
-    swatch = _swatch(subject, vertex)
+    place, swatch = ", ".join(f"{value:.2f}" for value in subject.mesh.vertices[vertex]), ""
+    if subject.mesh.colours is not None:
+        r, g, b = np.rint(255 * np.clip(subject.mesh.colours[vertex], 0.0, 1.0)).astype(int).tolist()
+        box = f"display:inline-block;width:10px;height:10px;margin-left:8px;border-radius:2px;background:rgb({r},{g},{b})"
+        swatch = f'<span title="{said("colour of the style")}" style="{box}"></span>'
     rows = [("place", f"({place}) mm"), *((layer.label, layer.text_at(vertex)) for layer in subject.layers)]
     cells = "".join(
         f'<tr><td style="color:{FAINT};padding-right:12px">{escape(said(name))}</td>'
         f'<td style="font-variant-numeric:tabular-nums">{escape(said(value))}{swatch if name == "place" else ""}</td></tr>'
         for name, value in rows
     )
-    called = said("vertex")
-    head = f'<div><b>✕ {called} {vertex}</b></div><table style="border-spacing:0 1px">{cells}</table>'
+    head = f'<div><b>✕ {said("vertex")} {vertex}</b></div><table style="border-spacing:0 1px">{cells}</table>'
     return f'<div style="margin:4px 8px;font-size:12px;line-height:1.45;color:{INK}">{head}</div>'
-
-
-def _swatch(subject: Subject, vertex: int) -> str:
-    """The colour of the style there."""
-    if subject.mesh.colours is None:
-        return ""
-    r, g, b = np.rint(255 * np.clip(subject.mesh.colours[vertex], 0.0, 1.0)).astype(int).tolist()
-    box = "display:inline-block;width:10px;height:10px;margin-left:8px;border-radius:2px"
-    title = said("colour of the style")
-    return f'<span title="{title}" style="{box};background:rgb({r},{g},{b})"></span>'

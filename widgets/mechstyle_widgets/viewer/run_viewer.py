@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Callable
+from typing import Any, NamedTuple
 
 import traitlets
 
@@ -16,8 +15,7 @@ from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.runs.run import Run
 from mechstyle_widgets.jupyter.language import word
 from mechstyle_widgets.jupyter.looks import sharing
-from mechstyle_widgets.jupyter.newest import Newest
-from mechstyle_widgets.jupyter.throttle import Paced
+from mechstyle_widgets.jupyter.throttle import Newest, Paced
 from mechstyle_widgets.state.studio_state import Linked, StudioState
 from mechstyle_widgets.viewer import badge
 from mechstyle_widgets.viewer.impact_player import ImpactPlayer
@@ -33,8 +31,7 @@ PASSED = (STYLE, "stress", "demand", "restraint", "displacement")
 Derived = Callable[[Run, Checkpoint], Layer]
 
 
-@dataclass(frozen=True, eq=False)
-class _Wish:
+class _Wish(NamedTuple):
     """An iteration that is to be seen, with layers that are derived from it."""
 
     run: Run
@@ -64,17 +61,7 @@ class RunViewer(Linked, Viewer):
 
     @sharing()
     def __init__(self, state: StudioState, *, theme: str = "light", width: int = 640, height: int = 440) -> None:
-        """Show the run of a state.
-
-        Args:
-            state: What is shown; its run must have been begun.
-            theme: `light` or `dark`.
-            width: Width of the view [pixels].
-            height: Height of the view [pixels].
-
-        Raises:
-            BadInput: If there is nothing to show yet.
-        """
+        """Show the run of a state, so large [pixels]; BadInput if there is no iteration to show yet."""
         if state.run is None or state.checkpoint is None:
             raise BadInput("there is no iteration to show yet: start a run, or open one with Run.open")
         self._catch_up, self._moment = Paced(self._show_checkpoint, state.alert), Paced(self._show_moment, state.alert)
@@ -88,7 +75,7 @@ class RunViewer(Linked, Viewer):
         wanted = state.layer if subject.layer(state.layer) else STYLE
         super().__init__(subject.mesh, subject.layers, original=original, theme=theme, width=width, height=height)
         self.player = ImpactPlayer(state)
-        self._add_under_view(self.player)
+        self.children = (*self.children[:-1], self.player, self.children[-1])  # between the view and what is written under it
         self.player.observe(lambda _: self._moment(), ("frame", "exaggeration"))
         self.player.observe(self._show_stress, "impact")
         self.layer = state.layer = wanted
@@ -133,13 +120,16 @@ class RunViewer(Linked, Viewer):
 
     def _stand_beside(self, _change: Any) -> None:
         """Let what is compared stand beside it."""
-        if self._state.run is not None:
-            places = self._places
+        run, places = self._state.run, self._places
+        if run is not None:
             with self.hold_trait_notifications():
                 shown = (self._drawn_place, *places)
                 self.names = tuple(map(self._named, shown)) if self.compared else ("styled", "plain")
-                self._tell_outcomes(shown)
-                self._rests = tuple(self._subject_at(*place) for place in places)
+                # each pane has a badge of its own; beside the plain part the badge over the view is that of what is styled
+                outcomes = [badge.outcome(self._state.row(iteration, lane)) for lane, iteration in shown]
+                self.outcomes = tuple(outcomes) if self.compared else ("", *outcomes[1:])
+                others = [(Run(run.store, lane, run.device), iteration) for lane, iteration in places]
+                self._rests = tuple(subject_of(other, other.checkpoint(iteration)) for other, iteration in others)
                 self.original, self.third = self._rests[0], self._rests[1] if len(self._rests) > 1 else None
                 self.beside = self.compared is not None
 
@@ -169,11 +159,6 @@ class RunViewer(Linked, Viewer):
             self.player.land(hardest.landing)
         self.player.play(once=True)
 
-    def _tell_outcomes(self, places: Sequence[tuple[str, int]]) -> None:
-        """Each pane has a badge of its own; beside the plain part the badge over the view is that of what is styled."""
-        outcomes = [badge.outcome(self._state.row(iteration, lane)) for lane, iteration in places]
-        self.outcomes = tuple(outcomes) if self.compared else ("", *outcomes[1:])
-
     def _named(self, place: tuple[str, int]) -> str:
         """What a pane is called: its lane, and its iteration where that is not the end."""
         lane, iteration = place
@@ -185,15 +170,7 @@ class RunViewer(Linked, Viewer):
         """Lane and iteration of what is drawn, which may be a step behind what the state shows."""
         return self._drawn_lane, self._drawn
 
-    def _subject_at(self, lane: str, iteration: int) -> Subject:
-        """An iteration of a lane of the run on show."""
-        run = self._state.run
-        assert run is not None, "asked for while there is one"
-        other = Run(run.store, lane, run.device)
-        return subject_of(other, other.checkpoint(iteration))
-
     def _judge(self, _change: Any = None) -> None:
-        """Bring the badge up to date."""
         if self._state.run is None or self._state.run.store.place != self._place:
             return
         words, verdict = badge.of_state(self._state)
@@ -233,7 +210,6 @@ class RunViewer(Linked, Viewer):
             self.renew_still()
 
     def _show_moment(self) -> None:
-        """Show each pane as the impact has it now."""
         moved = [
             self.player.at_the_moment(rest, None if (row := self._state.row(iteration, lane)) is None else row.verdict, pane)
             for pane, (rest, (lane, iteration)) in enumerate(zip(self._rests, self._places, strict=False), start=1)

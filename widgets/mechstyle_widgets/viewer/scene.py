@@ -17,29 +17,9 @@ from numpy.typing import ArrayLike, NDArray
 from mechstyle.pictures.colormap import PLAIN
 from mechstyle.records.mesh import Floats, SurfaceMesh
 from mechstyle.runs.report.replay_data import NO_NUMBER
+from mechstyle_widgets.viewer import shaders
 from mechstyle_widgets.viewer.layers import Layer
-from mechstyle_widgets.viewer.shaders import (
-    END,
-    FLOOR_FRAGMENT,
-    FLOOR_VERTEX,
-    HIDDEN,
-    MARKER_FRAGMENT,
-    MARKER_VERTEX,
-    MAXIMUM,
-    MINIMUM,
-    MOST_PINS,
-    NOTHING,
-    OPEN,
-    OWN,
-    PART_FRAGMENT,
-    PART_VERTEX,
-    PICKED,
-    PIN,
-    WHOLE,
-    numbers,
-    paint,
-    ramp,
-)
+from mechstyle_widgets.viewer.shaders import HIDDEN, MOST_PINS, OWN, WHOLE
 
 BACKGROUNDS = {"light": "#f6f6f4", "dark": "#1e1f22"}
 RULER = "#d9480f"
@@ -54,12 +34,7 @@ Plane = tuple[float, float, float, float]
 
 
 class Scene:
-    """A part, perhaps cut open, the floor it stands on, its axes, markers, numbered pins, and a line that is measured along.
-
-    Attributes:
-        three: The scene pythreejs draws.
-        part: The mesh in it that can be picked.
-    """
+    """A part (`part`), perhaps cut open, the floor it stands on, its axes, markers, numbered pins, and a line that is measured along."""
 
     def __init__(self, mesh: SurfaceMesh, centre: ArrayLike, theme: str = "light") -> None:
         """Build it whole around a part, with `centre` [mm] at the origin, about which the controls orbit."""
@@ -79,18 +54,16 @@ class Scene:
             pythreejs.MeshBasicMaterial(color=RULER, depthTest=False, transparent=True, side="DoubleSide"),
             frustumCulled=False, renderOrder=1, visible=False,
         )  # fmt: skip
-        self._geometry = pythreejs.BufferGeometry(
-            attributes={
-                "position": self._vertices,
-                "normal": self._normals,
-                "colour": self._colours,
-                "place": self._places,
-                "is_protected": self._protected,
-                "crease": self._creases,
-                "index": pythreejs.BufferAttribute(mesh.faces.ravel().astype(np.uint32), normalized=False),
-            }
-        )
-        self.part = pythreejs.Mesh(self._geometry, _part_material(PART_VERTEX))
+        index = pythreejs.BufferAttribute(mesh.faces.ravel().astype(np.uint32), normalized=False)
+        self._geometry = pythreejs.BufferGeometry(attributes={
+            "position": self._vertices, "normal": self._normals, "colour": self._colours, "place": self._places,
+            "is_protected": self._protected, "crease": self._creases, "index": index,
+        })  # fmt: skip
+        material = pythreejs.ShaderMaterial(
+            vertexShader=shaders.PART_VERTEX, fragmentShader=shaders.PART_FRAGMENT, extensions={"derivatives": True}, side="DoubleSide",
+            uniforms=_uniforms(_texture(shaders.ramp()), WHOLE, filled=False),
+        )  # fmt: skip
+        self.part = pythreejs.Mesh(self._geometry, material)
         children = [self.part, *_floor(mesh), self._ruler, self._markers(near_side=False), self._markers(near_side=True)]
         self._stage = pythreejs.Group(children=children, position=(-np.asarray(centre)).tolist())
         self.three = pythreejs.Scene(children=[self._stage], background=BACKGROUNDS[theme])
@@ -107,7 +80,7 @@ class Scene:
         count = len(self._places.array)
         if layer is not None:
             self._creases.array = _creases(mesh, self._beside)
-        self._places.array = np.full(count, OWN, np.float32) if layer is None else paint(layer.values, layer.scale)
+        self._places.array = np.full(count, OWN, np.float32) if layer is None else shaders.paint(layer.values, layer.scale)
 
     def hatch(self, protected: NDArray[np.bool_] | None) -> None:
         """Hatch what is protected, shape [vertex_count]; None for nothing."""
@@ -117,14 +90,19 @@ class Scene:
         """Cut off what lies beyond a plane; `filled` shows the cut as if the part were solid there, else one looks inside."""
         if (plane, filled) != self._cut:
             self._cut = plane, filled
-            _cut_open(self.part, plane, filled=filled, bands=self._bands)
+            self._renew()
             self.mark(*self._marked[:-1], arrow=self._marked[-1])
 
     def band(self, count: int) -> None:
         """Show fields in so many colours, 0 for all."""
         if count != self._bands:
             self._bands = count
-            _cut_open(self.part, self._cut[0], filled=self._cut[1], bands=count)
+            self._renew()
+
+    def _renew(self) -> None:
+        """Tell the material of the part what to leave out, and how many colours a field has."""
+        (plane, filled), material = self._cut, self.part.material
+        material.uniforms = _uniforms(material.uniforms["ramp"]["value"], plane, filled=filled, bands=self._bands)
 
     def mark(
         self,
@@ -137,22 +115,19 @@ class Scene:
     ) -> None:
         """Put the markers where they belong; what is None, missing or cut off is taken away.
 
-        Args:
-            extremes: Vertices of the greatest and least value.
-            picked: The vertex asked about.
-            pins: Vertices that are numbered, in order, at most MOST_PINS.
-            ends: What is measured between, two places at most [mm].
-            arrow: Whether they are foot and tip of an arrow instead.
+        They are vertices: of the greatest and the least value, picked, and pins with numbers, at most MOST_PINS. Between two ends [mm]
+        lies a ruler, or an arrow from foot to tip.
         """
         self._marked, (*normal, reach) = (extremes, picked, pins, ends, arrow), self._cut[0]
         spots, kinds = np.zeros((5 + MOST_PINS, 3), np.float32), np.full(5 + MOST_PINS, HIDDEN, np.float32)
-        marked = zip((0, 1, 2), (*(extremes or (None, None)), picked), (MAXIMUM, MINIMUM, PICKED), strict=True)
-        numbered = ((5 + number, vertex, PIN + 1 + number) for number, vertex in enumerate(pins))
+        looks = (shaders.MAXIMUM, shaders.MINIMUM, shaders.PICKED)
+        marked = zip((0, 1, 2), (*(extremes or (None, None)), picked), looks, strict=True)
+        numbered = ((5 + number, vertex, shaders.PIN + 1 + number) for number, vertex in enumerate(pins))
         for place, vertex, kind in (*marked, *numbered):
             if vertex is not None and self._vertices.array[vertex] @ normal <= reach:
                 spots[place], kinds[place] = self._vertices.array[vertex], kind
         for place, end in enumerate(ends[:1] if arrow else ends, start=3):
-            spots[place], kinds[place] = end, END
+            spots[place], kinds[place] = end, shaders.END
         self._spots.array, self._kinds.array = spots, kinds
         if len(ends) == 2:
             foot, tip = (np.asarray(end, np.float64) for end in ends)
@@ -168,19 +143,15 @@ class Scene:
         return {
             "buffers": {name: buffer.model_id for name, buffer in buffers.items()},
             "material": self.part.material.model_id,
-            "codes": {"nothing": NOTHING, "open": OPEN, "hidden": HIDDEN, "noNumber": NO_NUMBER},
+            "codes": {"nothing": shaders.NOTHING, "open": shaders.OPEN, "hidden": HIDDEN, "noNumber": NO_NUMBER},
         }
-
-    def relight(self, theme: str) -> None:
-        """Change the background."""
-        self.three.background = BACKGROUNDS[theme]
 
     def _markers(self, *, near_side: bool) -> Any:
         """All markers over everything, or once more the extremes, where nothing of the part is before them."""
         geometry = pythreejs.BufferGeometry(attributes={"position": self._spots, "kind": self._kinds})
         material = pythreejs.ShaderMaterial(
-            vertexShader=MARKER_VERTEX, fragmentShader=MARKER_FRAGMENT, depthTest=near_side, depthWrite=False, transparent=True,
-            uniforms={"near_side": {"value": float(near_side)}, "numbers": {"value": _texture(numbers())}},
+            vertexShader=shaders.MARKER_VERTEX, fragmentShader=shaders.MARKER_FRAGMENT, depthTest=near_side, depthWrite=False,
+            transparent=True, uniforms={"near_side": {"value": float(near_side)}, "numbers": {"value": _texture(shaders.numbers())}},
         )  # fmt: skip
         return pythreejs.Points(geometry, material, frustumCulled=False, renderOrder=2 + near_side)
 
@@ -206,18 +177,13 @@ def floor_corners(mesh: SurfaceMesh) -> NDArray[np.float64]:
 def _floor(mesh: SurfaceMesh) -> list[Any]:
     """A grid on the floor, and the three axes at its corner with their letters."""
     corners, cell = floor_corners(mesh), floor_cell(mesh)
-    positions = pythreejs.BufferGeometry(attributes={"position": _attribute(_grid_lines(corners[0], corners[1], cell))})
-    material = pythreejs.ShaderMaterial(vertexShader=FLOOR_VERTEX, fragmentShader=FLOOR_FRAGMENT, transparent=True, depthWrite=False)
-    arrows = [part for axis, letter in enumerate(AXES) for part in _axis(corners[0], axis, letter, cell)]
-    return [pythreejs.LineSegments(positions, material), *arrows]
-
-
-def _grid_lines(first: NDArray[np.float64], last: NDArray[np.float64], cell: float) -> NDArray[np.float64]:
-    """Ends of the lines of a grid between two corners [mm], shape [2 * line_count, 3]."""
-    (x0, y0, floor), (x1, y1, _) = first, last
+    (x0, y0, floor), (x1, y1, _) = corners
     along_y = [((x, y0, floor), (x, y1, floor)) for x in np.arange(x0, x1 + 0.5 * cell, cell)]
     along_x = [((x0, y, floor), (x1, y, floor)) for y in np.arange(y0, y1 + 0.5 * cell, cell)]
-    return np.array(along_x + along_y, dtype=np.float64).reshape(-1, 3)
+    positions = pythreejs.BufferGeometry(attributes={"position": _attribute(np.reshape(along_x + along_y, (-1, 3)))})
+    look = {"vertexShader": shaders.FLOOR_VERTEX, "fragmentShader": shaders.FLOOR_FRAGMENT, "transparent": True, "depthWrite": False}
+    arrows = [part for axis, letter in enumerate(AXES) for part in _axis(corners[0], axis, letter, cell)]
+    return [pythreejs.LineSegments(positions, pythreejs.ShaderMaterial(**look)), *arrows]
 
 
 def _axis(corner: NDArray[np.float64], axis: int, letter: str, length: float) -> list[Any]:
@@ -236,25 +202,10 @@ def _texture(pixels: NDArray[np.uint8]) -> Any:
     return pythreejs.DataTexture(pixels, format="RGBAFormat", type="UnsignedByteType", **smooth)
 
 
-def _cut_open(three: Any, plane: Plane, *, filled: bool, bands: int) -> None:
-    """Tell the material of a part what to leave out, and how many colours a field has."""
-    three.material.uniforms = _uniforms(three.material.uniforms["ramp"]["value"], plane, filled=filled, bands=bands)
-
-
 def _uniforms(texture: Any, plane: Plane, *, filled: bool, bands: int = 0) -> dict[str, dict[str, Any]]:
     """What the shader of a part gets; the texture comes last, because pythreejs gives it the name of whichever does."""
     numbers: dict[str, Any] = {"cut": [float(value) for value in plane], "filled": float(filled), "bands": float(bands)}
     return {**{name: {"value": value} for name, value in numbers.items()}, "ramp": {"value": texture}}
-
-
-def _part_material(vertex_shader: str) -> Any:
-    return pythreejs.ShaderMaterial(
-        vertexShader=vertex_shader,
-        fragmentShader=PART_FRAGMENT,
-        uniforms=_uniforms(_texture(ramp()), WHOLE, filled=False),
-        extensions={"derivatives": True},
-        side="DoubleSide",
-    )
 
 
 def _bar(foot: Floats, tip: Floats, thick: float, *, arrow: bool) -> Floats:
@@ -276,9 +227,7 @@ def _bar(foot: Floats, tip: Floats, thick: float, *, arrow: bool) -> Floats:
 def _creases(mesh: SurfaceMesh, beside: tuple[NDArray[np.int64], NDArray[np.int64]]) -> Floats32:
     """The largest angle between two triangles at each vertex [rad], shape [vertex_count].
 
-    Args:
-        mesh: The surface.
-        beside: Pairs of triangles that share an edge, shape [n, 2], and the ends of each edge, shape [n, 2].
+    `beside` has pairs of triangles that share an edge, and the ends of each edge, both of shape [n, 2].
     """
     (one, other), (start, end) = beside[0].T, beside[1].T
     angles = np.arccos(np.clip(np.einsum("ij,ij->i", mesh.face_normals[one], mesh.face_normals[other]), -1.0, 1.0)).astype(np.float32)

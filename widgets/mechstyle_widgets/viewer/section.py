@@ -42,25 +42,24 @@ class Section(ipywidgets.HBox):  # type: ignore[misc]  # ipywidgets has no types
     def __init__(self, low: ArrayLike, high: ArrayLike) -> None:
         """Cut a part that fills the box from `low` to `high` [mm]."""
         self._low, self._high = np.asarray(low, np.float64), np.asarray(high, np.float64)
-        axes = lean(
-            ipywidgets.ToggleButtons,
-            options=["x", "y", "z"], value="y", tooltips=[f"Cut across {axis}" for axis in "xyz"], style={"button_width": "32px"}
-        )
+        tooltips = [f"Cut across {axis}" for axis in "xyz"]
+        axes = lean(ipywidgets.ToggleButtons, options=["x", "y", "z"], value="y", tooltips=tooltips, style={"button_width": "32px"})
         self._slider = lean(
             ipywidgets.FloatSlider,
             min=float(self._low[1]), max=float(self._high[1]), readout_format=".1f", continuous_update=True,
             tooltip="Where the cut is [mm]; Page Up and Page Down in the view",
             layout={"flex": "1 1 180px", "width": "auto", "min_width": "140px"},
         )  # fmt: skip
-        unit = lean(ipywidgets.Label, "mm")
         flip = lean(ipywidgets.ToggleButton, description="other side", icon="exchange", tooltip="Show the other side of the cut")
         fill = lean(ipywidgets.ToggleButton, description="solid", icon="square", tooltip="Show the cut as solid, or look inside")
-        super().__init__([lean(ipywidgets.Label, word("cut across")), axes, self._slider, unit, flip, fill])
+        what, unit = lean(ipywidgets.Label, word("cut across")), lean(ipywidgets.Label, "mm")
+        super().__init__([what, axes, self._slider, unit, flip, fill])
         self.add_class("mechstyle-section-plane")
         for name, widget in (("axis", axes), ("at", self._slider), ("flipped", flip), ("filled", fill)):
             traitlets.link((self, name), (widget, "value"))
+        self.observe(lambda _: show(self, self.on), "on")
         self._measure_out()
-        self._appear()
+        show(self, self.on)
 
     @property
     def plane(self) -> Plane:
@@ -110,7 +109,3 @@ class Section(ipywidgets.HBox):  # type: ignore[misc]  # ipywidgets has no types
         slider.min, slider.max = min(low, slider.min), max(high, slider.max)  # as its value has to lie between
         self.at = 0.5 * (low + high)
         slider.min, slider.max, slider.step = low, high, (high - low) / STEPS or 1.0
-
-    @traitlets.observe("on")
-    def _appear(self, _change: Any = None) -> None:
-        show(self, self.on)

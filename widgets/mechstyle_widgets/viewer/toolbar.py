@@ -21,17 +21,7 @@ TOOLS = ("", "measure", "places")
 
 
 class Toolbar(ipywidgets.HBox):  # type: ignore[misc]  # ipywidgets has no types
-    """Menus and buttons above the view.
-
-    Attributes:
-        layer: Name of what is shown.
-        beside: Whether the original is shown beside it.
-        stepped: Whether a field is shown in steps.
-        markers: Whether the greatest and the least value are marked.
-        parallel: Whether one looks in parallel.
-        cut: Whether the part is cut open.
-        tool: One of TOOLS.
-    """
+    """Menus and buttons above the view; each trait of the view that has its name is what it sets."""
 
     layer = traitlets.Unicode(STYLE)
     beside = traitlets.Bool(False)
@@ -61,13 +51,15 @@ class Toolbar(ipywidgets.HBox):  # type: ignore[misc]  # ipywidgets has no types
         self._stepped = _toggle("bars", "Show values in steps, or smoothly")
         self._parallel = _toggle("cube", "Look in parallel, without perspective (O)")
         self._cut = _toggle("scissors", "Cut the part open along a plane (X)")
-        self._measure = _toggle("arrows-h", "Measure between two clicks, or Enter at the cross (M)")
-        self._places = _toggle("map-marker", "Keep the places one clicks on in a list (A)")
+        self._tools = {
+            "measure": _toggle("arrows-h", "Measure between two clicks, or Enter at the cross (M)"),
+            "places": _toggle("map-marker", "Keep the places one clicks on in a list (A)"),
+        }
         self._shot = _button("camera", "Make a picture of this to save")
         self._download = lean(ipywidgets.HTML)
         groups = [
             [self.choice, self._view, self._fit, self.both, self._marks, self._stepped],
-            [self._parallel, self._cut, self._measure, self._places, self._shot, self._download],
+            [self._parallel, self._cut, *self._tools.values(), self._shot, self._download],
         ]
         super().__init__([lean(ipywidgets.HBox, group, layout={"flex_flow": "row wrap"}) for group in groups])
         self.layout.flex_flow = "row wrap"
@@ -79,7 +71,7 @@ class Toolbar(ipywidgets.HBox):  # type: ignore[misc]  # ipywidgets has no types
             traitlets.link((self, name), (widget, "value"))
         self._view.observe(lambda change: fit(change["new"]), "value")
         self._fit.on_click(lambda _: fit(""))
-        self._shot.on_click(lambda _: self._offer_picture())
+        self._shot.on_click(self._offer_picture)
         for name, button in self._tools.items():
             button.observe(lambda change, name=name: self._take(name, taken=change["new"]), "value")
 
@@ -97,11 +89,7 @@ class Toolbar(ipywidgets.HBox):  # type: ignore[misc]  # ipywidgets has no types
 
     def rest(self) -> None:
         """Take the focus."""
-        self._places.focus()
-
-    @property
-    def _tools(self) -> dict[str, ipywidgets.ToggleButton]:
-        return {"measure": self._measure, "places": self._places}
+        self._tools["places"].focus()
 
     def _take(self, name: str, *, taken: bool) -> None:
         if taken or self.tool == name:
@@ -112,7 +100,7 @@ class Toolbar(ipywidgets.HBox):  # type: ignore[misc]  # ipywidgets has no types
         for name, button in self._tools.items():
             button.value = self.tool == name
 
-    def _offer_picture(self) -> None:
+    def _offer_picture(self, _button: object) -> None:
         data = base64.b64encode(self._picture().png).decode("ascii")
         name = f"mechstyle-{self.layer}.png"
         words = word("save {}").format(name)

@@ -5,8 +5,8 @@ All of pythreejs stays behind `Viewer`.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
 from dataclasses import replace
 from html import escape
 from typing import Any
@@ -15,18 +15,19 @@ import ipywidgets
 import numpy as np
 import pythreejs
 import traitlets
+import trimesh
 from numpy.typing import NDArray
 
 from mechstyle.errors import BadInput, unknown
 from mechstyle.pictures.camera import VIEWS
 from mechstyle.pictures.figure import Panel
 from mechstyle.pictures.panels import Picture, picture
-from mechstyle.records.mesh import SurfaceMesh
+from mechstyle.records.mesh import Floats, SurfaceMesh
+from mechstyle.records.regions import Point
 from mechstyle_widgets.jupyter.cell_output import OncePerCell
-from mechstyle_widgets.jupyter.closing import close_family
 from mechstyle_widgets.jupyter.frame import Framed
 from mechstyle_widgets.jupyter.language import said
-from mechstyle_widgets.jupyter.looks import lean, sharing, show
+from mechstyle_widgets.jupyter.looks import close_family, lean, sharing, show
 from mechstyle_widgets.jupyter.one_thread import hear_on_one_thread
 from mechstyle_widgets.jupyter.throttle import Paced
 from mechstyle_widgets.state.troubles import sentence
@@ -37,20 +38,30 @@ from mechstyle_widgets.viewer.layers import STYLE, Layer, Subject
 from mechstyle_widgets.viewer.places import Places
 from mechstyle_widgets.viewer.scene import BACKGROUNDS, Scene, floor_cell
 from mechstyle_widgets.viewer.section import Section
-from mechstyle_widgets.viewer.toolbar import Toolbar
-from mechstyle_widgets.viewer.tools import Tools
+from mechstyle_widgets.viewer.shaders import MOST_PINS
+from mechstyle_widgets.viewer.toolbar import TOOLS, Toolbar
 
 BANDS = 9
 """Colours of a field that is shown in steps: each spans five MPa of a strength of 45."""
 DRAWN = ("subject", "original", "third", "layer", "markers", "probed", "places", "measured", "arrow", "tool", "beside", "names", "outcomes",
          "protected", "stepped")  # fmt: skip
 """Traits that change what is drawn."""
+COARSE, FINE = 15.0, 1.0
+"""How far an arrow key turns the part, and with Ctrl [degrees]."""
+ARROWS = {"ArrowLeft": (-1, 0), "ArrowRight": (1, 0), "ArrowUp": (0, 1), "ArrowDown": (0, -1)}
+NEARER = {"+": 1.25, "=": 1.25, "-": 0.8}
+PAGES = {"PageUp": 1, "PageDown": -1}
+SHIFTED = {"1": "front", "2": "side", "3": "top", "4": "below", "5": "three_quarter"}
+"""Standard views by the digits that, with Shift, call them."""
+ROOM = 0.85
+"""How near the camera comes to a part it looks at as a whole, so that the legend below hides nothing of it."""
+PICKS = {"m": "measure", "a": "places"}
 
 
-class Viewer(Tools, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
+class Viewer(Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
     """A part one can orbit with the mouse, coloured by its style or by a field over it.
 
-    Drag turns it, the right button moves it, the wheel comes nearer, a click asks what is known of the place; `Tools` has the rest.
+    Drag turns it, the right button moves it, the wheel comes nearer, a click asks what is known of the place; `key` tells what keys do.
 
     Attributes:
         subject: The part and its fields; may be replaced by one with the same faces.
@@ -64,6 +75,14 @@ class Viewer(Tools, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]
         protected: Whether the style must leave each vertex as it is, which is hatched, shape [vertex_count]; None for nothing.
         theme: `light` or `dark`.
         badge: What is said over the view.
+        layer: Name of what is shown.
+        probed: The vertex asked about, None for none.
+        places: Vertices that are kept in the list, in order, at most MOST_PINS.
+        measured: Ends of what is measured [mm], two at most.
+        arrow: Foot and tip of an arrow on the part [mm], nothing for none.
+        tool: What a click does besides asking: "", `measure` or `places`.
+        parallel: Whether one looks in parallel instead of in perspective.
+        section: Where the part is cut open: `section.on`, `section.axis`, `section.at` [mm].
         drawings: How many times it was drawn.
     """
 
@@ -77,29 +96,24 @@ class Viewer(Tools, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]
     markers = traitlets.Bool(True)
     protected = traitlets.Instance(np.ndarray, None, allow_none=True)
     theme = traitlets.Enum(tuple(BACKGROUNDS), "light")
+    layer = traitlets.Unicode(STYLE)
+    probed = traitlets.Int(None, allow_none=True)
+    places = traitlets.Tuple()
+    measured = traitlets.Tuple()
+    arrow = traitlets.Tuple()
+    tool = traitlets.Enum(TOOLS, "")
+    parallel = traitlets.Bool(False)
     drawings = traitlets.Int(0)
     _built = False  # `close()` also runs, from `__del__`, on a viewer whose `__init__` raised
 
     @sharing()
     def __init__(
-        self,
-        mesh: SurfaceMesh,
-        layers: Sequence[Layer] = (),
-        *,
-        original: Subject | None = None,
-        theme: str = "light",
-        width: int = 640,
-        height: int = 440,
-    ) -> None:
-        """Show a part.
+        self, mesh: SurfaceMesh, layers: Sequence[Layer] = (), *,
+        original: Subject | None = None, theme: str = "light", width: int = 640, height: int = 440,
+    ) -> None:  # fmt: skip
+        """Show a part [mm] with fields over its surface, the first in front, so large [pixels].
 
-        Args:
-            mesh: The part [mm].
-            layers: Fields over its surface; the first is shown.
-            original: What may be shown beside it, with the same faces.
-            theme: `light` or `dark`.
-            width: Width of the view [pixels].
-            height: Height of the view [pixels].
+        `original`, with the same faces, may be shown beside it.
 
         Raises:
             BadInput: If a layer does not fit the part, or the original has other faces.
@@ -136,22 +150,20 @@ class Viewer(Tools, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]
         super().__init__([self._toolbar, self.section, window, self._foot, self._list])
         self.add_class("mechstyle-viewer")
         self.subject, self.original, self.theme = subject, original, theme
-        self._refresh = Paced(self._draw, self._confess)
+        # an error is said until drawing does not fail; the event loop would keep it to itself
+        alert = '<span role="alert">{}</span>'.format
+        self._refresh = Paced(self._draw, lambda error: setattr(self._said, "value", alert(escape(said(sentence(error))))))
         self.layer = layers[0].name if layers else STYLE
-        self._wire()
-        self._built = True
-        self._draw()
-
-    def _wire(self) -> None:
-        """Let the toolbar, the cut and the camera be heard."""
         hear_on_one_thread()
         for name in ("layer", "beside", "markers", "stepped", "parallel", "tool"):
             traitlets.link((self, name), (self._toolbar, name))
-        self.section.observe(lambda change: setattr(self._toolbar, "cut", change["new"]), "on")
+        traitlets.dlink((self.section, "on"), (self._toolbar, "cut"))
         self._toolbar.observe(lambda change: self.cut_open(on=change["new"]), "cut")
         self.section.observe(self._cut, ("on", "axis", "at", "flipped", "filled"))
-        self._orbit.observe(self._measure)
+        self._orbit.three.observe(self._measure, "position")  # the mouse has let go of the camera
         self.observe(lambda _: self._refresh(), DRAWN)
+        self._built = True
+        self._draw()
 
     def __repr__(self) -> str:
         """Layer and subject; never the arrays."""
@@ -193,14 +205,30 @@ class Viewer(Tools, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]
         return picture(self._panels(), title=title)
 
     def _panels(self) -> list[Panel]:
-        shown = self._shown
-        names = self.names if len(shown) > 1 else ("",)
-        return [self._panel(*one) for one in zip(shown, self._layers, names, strict=False)]
+        shown, seen, made = self._shown, self._orbit.seen, []
+        for subject, layer, title in zip(shown, self._layers, self.names if len(shown) > 1 else ("",), strict=False):
+            if layer is None:
+                made.append(Panel(self.section.applied(subject.mesh)[0], title, view=seen))
+                continue
+            mesh, values = self.section.applied(subject.mesh, layer.values)
+            how = (layer.unit, layer.label, layer.limits, layer.threshold, seen, layer.note, layer.judged, layer.most)
+            made.append(Panel(mesh, title, values, *how))
+        return made
 
     def still(self, title: str = "") -> Callable[[], bytes]:
         """What draws the view as it is now."""
         panels = self._panels()
         return lambda: picture(panels, title=title).png
+
+    @property
+    def at_rest(self) -> SurfaceMesh:
+        """The part to which the places of clicks belong."""
+        return self.subject.mesh
+
+    @property
+    def towards_eye(self) -> Floats:
+        """Unit vector from the part to the eye."""
+        return self._orbit.seen.axes[2]
 
     def close(self) -> None:
         """Close the view and every widget it is made of; nothing stays behind in the kernel."""
@@ -251,23 +279,25 @@ class Viewer(Tools, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]
     @traitlets.observe("theme")
     def _relight(self, change: dict[str, Any]) -> None:
         for scene in self._scenes:
-            scene.relight(change["new"])
+            scene.three.background = BACKGROUNDS[change["new"]]
 
     # what is drawn
 
     def _draw(self) -> None:
-        """Bring the scenes, the legend and the table up to date with the traits."""
         layers, bands = self._layers, BANDS if self.stepped else 0
         layer = layers[0]
         self._orbit.follow(self.subject.mesh)
         self._arrange()
-        with self._at_once():
+        with ExitStack() as views:  # nothing is drawn until all that changes has changed
+            for view in self._views:
+                views.enter_context(view.hold())
             for scene, subject, painted in zip(self._scenes, self._shown, layers, strict=False):
                 scene.move(subject.mesh)
                 scene.paint(painted, subject.mesh)
                 scene.band(bands)
                 scene.cut(self.section.plane, filled=self.section.filled)
-                extremes, drawn = _extremes(subject, self.layer) if self.markers else None, self.measured or self.arrow
+                field, drawn = subject.layer(self.layer) if self.markers else None, self.measured or self.arrow
+                extremes = None if field is None else field.extremes()
                 scene.mark(extremes, self.probed, self.places, drawn, arrow=not self.measured)
             self._scenes[0].hatch(self.protected)
         mesh = self.subject.mesh
@@ -280,13 +310,8 @@ class Viewer(Tools, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]
         self._measure()
         self.drawings += 1
 
-    def _confess(self, error: Exception) -> None:
-        """Say that drawing failed, until it does not; the event loop would keep it to itself."""
-        self._said.value = f'<span role="alert">{escape(said(sentence(error)))}</span>'
-
     @property
     def _shown(self) -> list[Subject]:
-        """What stands side by side."""
         return [self.subject, *(one for one in (self.original, self.third) if self.beside and one is not None)]
 
     @property
@@ -316,45 +341,156 @@ class Viewer(Tools, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]
             show(self._titles, len(views) > 1)
 
     def _share_width(self) -> None:
-        """Give each view its share of the width."""
         (width, height), shown = self._size, self._stage.children
         for view in shown:
             with view.hold_sync():
                 view.width, view.height = width // len(shown), height
         self._orbit.resize(width / len(shown) / height)
 
-    @contextmanager
-    def _at_once(self) -> Iterator[None]:
-        """Let nothing be drawn until all that changes has changed."""
-        with ExitStack() as views:
-            for view in self._views:
-                views.enter_context(view.hold())
-            yield
-
     def _measure(self, _change: object = None) -> None:
         self._scale.value = legend.scale_bar(self._orbit.pixels_per_mm(self._size[1]), floor_cell(self.subject.mesh))
 
     def _renderer(self, scene: Scene, controls: list[Any]) -> Any:
         width, height = self._size
-        return pythreejs.Renderer(
-            camera=self._orbit.three, scene=scene.three, controls=controls, width=width, height=height, antialias=True
-        )
-
-    def _panel(self, subject: Subject, layer: Layer | None, title: str) -> Panel:
-        seen = self._orbit.seen
-        if layer is None:
-            return Panel(self.section.applied(subject.mesh)[0], title, view=seen)
-        mesh, values = self.section.applied(subject.mesh, layer.values)
-        how = (layer.unit, layer.label, layer.limits, layer.threshold, seen, layer.note, layer.judged, layer.most)
-        return Panel(mesh, title, values, *how)
-
-    def _add_under_view(self, widget: ipywidgets.Widget) -> None:
-        """Show one more widget between the view and what is written under it."""
-        self.children: tuple[ipywidgets.Widget, ...] = (*self.children[:-1], widget, self.children[-1])
+        look = {"width": width, "height": height, "antialias": True}
+        return pythreejs.Renderer(camera=self._orbit.three, scene=scene.three, controls=controls, **look)
 
     def _cut(self, _change: object) -> None:
         for scene in self._scenes:
             scene.cut(self.section.plane, filled=self.section.filled)
+
+    # what mouse and keys do besides turning it
+
+    def on_click(self, call: Callable[[Point], None]) -> None:
+        """Call back with the position [mm] of every click that does not measure, repeated clicks included."""
+        self._clicks.register_callback(call)
+
+    def key(self, name: str, *, shift: bool = False, ctrl: bool = False) -> None:
+        """What a key does in a view.
+
+        Arrows turn it, with Shift they move it, + and - come nearer and go farther, Home shows the whole part, Enter is a click in the
+        middle, Page Up and Down move the cut; A keeps places, M measures, X cuts, O looks in parallel, L shows the next layer, Escape
+        leaves the last of them.
+        """
+        step = FINE if ctrl else COARSE
+        across, up = ARROWS.get(name, (0, 0))
+        if name == "Home":
+            self.fit()
+        elif name in NEARER:
+            self._orbit.near(NEARER[name])
+        elif shift and name in SHIFTED:
+            self.fit(SHIFTED[name])
+        elif (across, up) != (0, 0):
+            self._orbit.move(across, up) if shift else self._orbit.turn(across * step, up * step)
+        elif name in PAGES and self.section.on:
+            self.section.move(PAGES[name])
+        elif name == "Enter":  # a click in the middle
+            self._look(-self._orbit.seen.axes[2])
+        else:
+            self._press(name)
+        self._measure()
+
+    def fly(self, place: Point) -> None:
+        """Look at a place of the part at rest [mm] from close by, and tell what is known of it."""
+        self._fly_to(int(np.linalg.norm(self.at_rest.vertices - np.asarray(place), axis=1).argmin()))
+
+    def look_round(self, vertex: int) -> None:
+        """Look at the whole part from a side from which a vertex is seen, and tell what is known of it."""
+        mesh = self.subject.mesh
+        self._orbit.look_from(probe.seen_from(mesh, vertex))
+        self._orbit.near(ROOM)
+        self._orbit.move(0, 1)
+        self.probed = vertex
+        self._measure()
+
+    def cut_open(self, *, on: bool = True) -> None:
+        """Cut the part open towards the eye, or close it."""
+        if on and not self.section.on:
+            seen = self._orbit.seen
+            self.section.open_towards(seen.eye - np.asarray(seen.target))
+        elif not on:
+            self.section.on = False
+
+    def _fly_to(self, vertex: int) -> None:
+        mesh = self.subject.mesh
+        self._orbit.look_at(mesh.vertices[vertex], probe.seen_from(mesh, vertex))
+        self.probed = vertex
+        self._measure()
+
+    def _press(self, key: str) -> None:
+        if key in PICKS:
+            self.tool = "" if self.tool == PICKS[key] else PICKS[key]
+        elif key == "o":
+            self.parallel = not self.parallel
+        elif key == "x":
+            self.cut_open(on=not self.section.on)
+        elif key == "l":
+            names = [STYLE, *(layer.name for layer in self.subject.layers)]
+            self.layer = names[(names.index(self.layer) + 1) % len(names)]
+        elif key == "Escape" and self.tool:
+            self.tool = ""
+        elif key == "Escape" and self.measured:
+            self.measured = ()
+        elif key == "Escape":
+            self.section.on = False
+
+    @traitlets.validate("probed", "places")
+    def _known(self, proposal: dict[str, Any]) -> Any:
+        given, count = proposal["value"], len(self.subject.mesh.vertices)
+        for vertex in given if isinstance(given, tuple) else () if given is None else (given,):
+            if not 0 <= vertex < count:
+                raise BadInput(f"there is no vertex {vertex}: the part has {count}, counted from 0")
+        return given[-MOST_PINS:] if isinstance(given, tuple) else given
+
+    @traitlets.observe("parallel")
+    def _project(self, _change: object) -> None:
+        self._orbit.project(parallel=self.parallel)
+        self._measure()
+
+    @traitlets.observe("tool")
+    def _begin_anew(self, _change: object) -> None:
+        if self.tool == "measure":
+            self.measured = ()
+
+    def _remove(self, number: int | None) -> None:
+        """Take a place from the list, counted from 0, or all."""
+        self.places = () if number is None else (*self.places[:number], *self.places[number + 1 :])
+        if not self.places:
+            self._toolbar.rest()  # the list had the focus, and keys would go to the page
+
+    def _pick(self, point: tuple[float, float, float], face: int) -> None:
+        """A click on the part, as if nothing were cut off."""
+        where = np.add(point, self._orbit.home.target)
+        if self.section.keeps(where):
+            self._point(where, face)
+        else:
+            self._look(where - self._orbit.seen.eye)
+
+    def _look(self, towards: Floats) -> None:
+        """Point at what one sees in a direction."""
+        eye, mesh = self._orbit.seen.eye, self.subject.mesh
+        met = probe.struck(mesh, eye, towards, self.section.keeps)
+        if met is None:
+            return
+        where, face = met
+        if self.section.filled and float(mesh.face_normals[face] @ towards) > 0.0:  # seen from within: it is the cut that is met
+            *normal, reach = self.section.plane
+            where = eye + towards * (reach - eye @ np.asarray(normal)) / (towards @ np.asarray(normal))
+        self._point(where, face)
+
+    def _point(self, where: Floats, face: int) -> None:
+        """A click on a place [mm] of a face."""
+        if self.tool == "measure":
+            kept = self.measured if len(self.measured) == 1 else ()
+            self.measured = (*kept, tuple(where.tolist()))
+            return
+        mesh = self.subject.mesh
+        corners, weigh = mesh.faces[face], trimesh.triangles.points_to_barycentric
+        self.probed = int(corners[np.linalg.norm(mesh.vertices[corners] - where, axis=1).argmin()])
+        if self.tool == "places" and self.probed not in self.places:
+            self.places = (*self.places, self.probed)
+        weights = weigh(mesh.corners[[face]], np.atleast_2d(where))  # type: ignore[no-untyped-call]
+        self._clicks(tuple((weights[0] @ self.at_rest.corners[face]).tolist()))  # the same place on the part at rest
 
 
 class PartViewer(Viewer):
@@ -384,8 +520,3 @@ class PartViewer(Viewer):
         """Show the plain part, and say why if there is a reason."""
         self.subject, self.original = Subject(self._rest), None
         self.badge.say(untested("No preview", why) if why else "")
-
-
-def _extremes(subject: Subject, name: str) -> tuple[int, int] | None:
-    layer = subject.layer(name)
-    return None if layer is None else layer.extremes()

@@ -9,10 +9,11 @@ import pytest
 from mechstyle.fea.drop import DropTest
 from mechstyle.records import Landing, Simulation
 from mechstyle.records.mesh import TetMesh
-from mechstyle.simulation.validation import repeatability
-from mechstyle.simulation.validation.meshes import bracket
-from mechstyle.simulation.validation.reading import Body, period_of_body
-from mechstyle.simulation.validation.repeatability import (
+from support.cases import held, quick
+from validation import repeatability
+from validation.meshes import bracket
+from validation.reading import Body, period_of_body
+from validation.repeatability import (
     STRENGTHS,
     Pair,
     about_z,
@@ -23,7 +24,6 @@ from mechstyle.simulation.validation.repeatability import (
     spread,
     transformed,
 )
-from support.cases import held, quick
 
 MIRROR = np.diag([-1.0, 1.0, 1.0])
 
@@ -76,7 +76,7 @@ def test_spread_is_half_the_range_over_the_mean():
     assert found["a, nearly flat"].error == 0.0
 
 
-# --- what `mechstyle validate` holds on finer bodies, in seconds ------------------------------------------------------
+# --- what the suite holds on finer bodies, in seconds ----------------------------------------------------------------
 
 
 @pytest.mark.parametrize(("longer", "step"), [(2.0, 1.0), (1.0, 0.5)])
