@@ -3,6 +3,7 @@
 import itertools
 import json
 import os
+import re
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
@@ -24,10 +25,15 @@ _CUBE_SIDES = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6,
 
 
 class ByFile(LoadScopeScheduling):  # type: ignore[misc]  # xdist has no types
-    """Tests of a file share what was set up for them, in one worker and in order; notebooks, which share nothing, fill the end."""
+    """Tests of a file share what was set up for them, in one worker and in order; notebooks, most of which share nothing, fill the end."""
 
     def _split_scope(self, nodeid: str) -> str:
-        return nodeid if "notebooks" in nodeid else nodeid.partition("::")[0]
+        file, _, test = nodeid.partition("::")
+        return nodeid if "notebooks" in nodeid and not ONE_PART.search(test) else file
+
+
+ONE_PART = re.compile(r"notebook_runs\[0[345]")
+"""Notebooks that open runs of each other, in one folder."""
 
 
 def pytest_xdist_make_scheduler(config: pytest.Config, log: object) -> ByFile:
