@@ -116,15 +116,19 @@ def test_the_studio_has_no_serious_barrier(shown, width, theme):
     assert looked_through(shown, width, theme) == []
 
 
+@pytest.fixture(scope="module")
+def report(finished_run, tmp_path_factory):
+    return finished_run.report(tmp_path_factory.mktemp("report") / "report.html")
+
+
 @pytest.mark.parametrize(("width", "scheme"), [(1400, "light"), (400, "dark")])
-def test_the_report_has_no_serious_barrier(chromium, finished_run, tmp_path_factory, width, scheme):
-    path = tmp_path_factory.mktemp("report") / "report.html"
+def test_the_report_has_no_serious_barrier(chromium, report, width, scheme):
     context = chromium.new_context(
         viewport={"width": width, "height": 900}, offline=True, color_scheme=scheme, bypass_csp=True,
         reduced_motion="reduce",  # a colour on its way to another has no contrast that counts
     )  # fmt: skip
     page = context.new_page()
-    page.goto(finished_run.report(path).as_uri())
+    page.goto(report.as_uri())
     page.locator("body[data-ready='replay']").wait_for()
     found = grave(page, None)
     context.close()

@@ -21,7 +21,7 @@ from mechstyle_widgets.viewer.run_viewer import RunViewer
 from support.sheet_studio import without_physics
 
 PATIENCE = 30.0
-ACTIONS = 320
+ACTIONS = 200
 PROMPTS = ("brick", "small wood", "outside: stone; rim: gold studs", "nonsense", "", "5 mm bricks, blue")
 REGIONS = ("", "inside", "box 0 0 0 10 10 10", "sphere 900 0 0 1", "a circle", "below 5\nbox 0 0 0 5 5 5 ramp 2")
 FOLDERS = ("", "mine", "other")
