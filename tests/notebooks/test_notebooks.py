@@ -15,8 +15,10 @@ NOTEBOOKS = sorted((ROOT / "notebooks").glob("*.ipynb"))
 QUICK = {"iterations": 12, "orientations": 1, "nearly_flat": False, "window": 0.4, "element": "tet4"}
 SMALL = {
     "02_what_the_drop_test_computes": {"finest": 3},
+    "03_control_strategies": {"names": ["linear", "exponential"]},
     "04_schedules": {"names": ["never", "every", "geometry", "stress"]},
     "05_tuning_thresholds": {"tried": [0.1, 1.0, 2.0]},
+    "06_branch_and_compare": {"every": 8},
     "07_applications": {"settings": {**QUICK, "vertices": 900}},
     "08_a_reproducible_report": {"prompt": "cactus", "vertices": 1000, "iterations": 20},
 }
