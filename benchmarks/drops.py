@@ -21,6 +21,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 from rich.console import Console
 from rich.table import Table
@@ -38,11 +39,13 @@ from mechstyle.geometry.remeshing.filling import fill
 from mechstyle.records.material import LIBRARY
 from mechstyle.records.mesh import TetMesh
 from mechstyle.simulation.part import Workpiece, prepare
-from mechstyle.simulation.validation import calculix
-from mechstyle.simulation.validation.meshes import box
 from mechstyle.styling.dimensions import Dimensions
 from mechstyle.styling.drawn import target
 from mechstyle.styling.prompt import Wish
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
+from validation import calculix
+from validation.meshes import box
 
 PLA = LIBRARY["PLA"]
 STRIDE, CPU_SAMPLES, DEVICE_SAMPLES = 120, 2, 120

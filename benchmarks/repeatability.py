@@ -91,7 +91,9 @@ def surface_in(part: str, way: str):  # noqa: ANN201 — a SurfaceMesh, imported
     """The surface of a part in one way."""
     from mechstyle import gallery  # noqa: PLC0415
     from mechstyle.records.mesh import SurfaceMesh  # noqa: PLC0415
-    from mechstyle.simulation.validation.repeatability import about_z, transformed  # noqa: PLC0415
+
+    sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
+    from validation.repeatability import about_z, transformed  # noqa: PLC0415
 
     surface = gallery.make(part)
     if way.startswith("turned"):

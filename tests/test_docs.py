@@ -13,8 +13,8 @@ import mechstyle
 from mechstyle.records.recipe import SETTINGS
 from mechstyle.records.sentences import EXPLANATION, MEANINGS
 from mechstyle.records.words import WORDS
-from mechstyle.simulation.validation.suite import CASES
 from support import ROOT
+from validation.suite import CASES
 
 SITE = ROOT / "docs" / "site"
 TOCTREE = re.compile(r"```\{toctree\}\n(.*?)```", re.DOTALL)

@@ -20,7 +20,7 @@ STOP = re.compile(
 )
 """Words that say less than the noun of the field, and words of a history that no reader has."""
 WRITTEN_BY_A_PROGRAM = re.compile(
-    r"\b(?:[Ww]ritten|[Mm]ade)\s+by\s+`(?:python |\.venv|mechstyle validate --page)|by `mechstyle study page |<!-- every "
+    r"\b(?:[Ww]ritten|[Mm]ade)\s+by\s+`(?:python |\.venv)|by `mechstyle study page |<!-- every "
 )
 FENCE = re.compile(r"^(```+|:::+).*?^\1\s*$", re.DOTALL | re.MULTILINE)
 SPAN = re.compile(r"`[^`\n]*`")

@@ -98,7 +98,7 @@ def discretise(tets: TetMesh, material: Material, added_mass: float, element: El
         x, y, z = tets.vertices[tets.tets[flat[0]]].mean(axis=0)
         raise BadInput(f"{len(flat)} tetrahedra have no positive volume, the first at ({x:.1f}, {y:.1f}, {z:.1f}) mm; mesh the part again")
     numbering = _numbering(tets.tets.tobytes(), element.name)
-    mesh = numbering.of(tets, element)
+    mesh = ElementMesh(TetMesh(tets.vertices[numbering.vertices], numbering.tets), element, numbering.connectivity)
     place, tet_order, connectivity = numbering.place, numbering.tet_order, numbering.connectivity[numbering.tet_order]
     gradients, volumes = barycentric_gradients(mesh.tets)[tet_order, 1:], mesh.tets.volumes[tet_order]
     lumped = np.empty(len(mesh.nodes))
@@ -106,32 +106,16 @@ def discretise(tets: TetMesh, material: Material, added_mass: float, element: El
     stiffness = Stiffness(numbering.pairs, gradients, volumes, element, material)
     masses, highest, limit = lengthened(stiffness.norms, lumped, added_mass)
     return Discretisation(
-        mesh=mesh,
-        vertices=numbering.vertices,
-        place=place,
-        tet_order=tet_order,
-        connectivity=place[connectivity],
-        gradients=gradients,
-        volumes=volumes,
+        mesh=mesh, vertices=numbering.vertices, place=place, tet_order=tet_order, connectivity=place[connectivity], gradients=gradients,
+        volumes=volumes, masses=masses, added_mass=float(masses.sum() / lumped.sum() - 1.0), highest=highest,
         frequencies=np.minimum(element.stiffer * element_frequencies(mesh.tets, material)[tet_order], np.sqrt(limit)),
-        masses=masses,
-        added_mass=float(masses.sum() / lumped.sum() - 1.0),
-        highest=highest,
-        slots=numbering.slots,
-        first_slot=numbering.first_slot,
-        stiffness=stiffness,
-    )
+        slots=numbering.slots, first_slot=numbering.first_slot, stiffness=stiffness,
+    )  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
 class _Numbering:
-    """What of a discretisation follows from which vertices the tetrahedra join; attributes as there.
-
-    Attributes:
-        tets: Tetrahedra by the numbers of the vertices that are used, shape [tet_count, 4].
-        connectivity: Nodes of each in the numbering of the mesh, shape [tet_count, nodes].
-        pairs: Pairs of nodes in the order of computation.
-    """
+    """What of a discretisation follows from which vertices the tetrahedra join; `connectivity` is in the numbering of the mesh."""
 
     vertices: Indices
     tets: Indices
@@ -141,10 +125,6 @@ class _Numbering:
     slots: Indices
     first_slot: Indices
     pairs: Pairs
-
-    def of(self, tets: TetMesh, element: Element) -> ElementMesh:
-        """The mesh of tetrahedra that are numbered so."""
-        return ElementMesh(TetMesh(tets.vertices[self.vertices], self.tets), element, self.connectivity)
 
 
 @lru_cache(maxsize=4)  # a run drops one mesh again and again, morphed, and its original's
@@ -162,15 +142,11 @@ def _numbering(joined: bytes, element: str) -> _Numbering:
     tet_order = np.argsort(numbered.min(axis=1), kind="stable").astype(np.int32)
     slot_nodes = numbered[tet_order].ravel()
     return _Numbering(
-        vertices=vertices.astype(np.int32),
-        tets=tets,
-        connectivity=connectivity,
-        place=place,
-        tet_order=tet_order,
+        vertices=vertices.astype(np.int32), tets=tets, connectivity=connectivity, place=place, tet_order=tet_order,
         slots=np.argsort(np.argsort(slot_nodes, kind="stable")).astype(np.int32).reshape(connectivity.shape),
         first_slot=np.concatenate([[0], np.cumsum(np.bincount(slot_nodes, minlength=len(place)))]).astype(np.int32),
         pairs=Pairs.of(numbered[tet_order], len(place)),
-    )
+    )  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
@@ -219,15 +195,7 @@ class Pairs:
 
 @dataclass(frozen=True, eq=False)
 class Stiffness:
-    """Small-strain stiffness, which both laws have.
-
-    Attributes:
-        pairs: Which nodes the tetrahedra join.
-        gradients: ∇L_1, ∇L_2, ∇L_3 of each [1/mm], shape [tet_count, 3, 3].
-        volumes: Volumes [mm³], shape [tet_count].
-        element: What interpolates.
-        material: The material.
-    """
+    """Small-strain stiffness, which both laws have; gradients and volumes as in `Discretisation`."""
 
     pairs: Pairs
     gradients: Floats
@@ -238,7 +206,7 @@ class Stiffness:
     def matrix(self) -> bsr_array:
         """K = Σ K_e [N/mm], shape [3 node_count, 3 node_count]."""
         pairs, size = self.pairs, 3 * self.pairs.node_count
-        block = self._assembled(np.ones(len(self.volumes))).reshape(-1, 3, 3)
+        block = np.asarray(pairs.sums(np.ones(len(self.volumes))) @ self._blocks).reshape(-1, 3, 3)
         whole = np.concatenate([block, block[pairs.apart].transpose(0, 2, 1)])[pairs.order]
         return bsr_array((whole, pairs.columns, pairs.starts), shape=(size, size))
 
@@ -249,13 +217,9 @@ class Stiffness:
 
     def weighted_norms(self, weights: Floats) -> csr_array:
         """The same of Σ w_e K_e, w_e ≥ 0 of shape [tet_count]."""
-        pairs, norms = self.pairs, spectral_norms(self._assembled(weights))
+        pairs, norms = self.pairs, spectral_norms(self.pairs.sums(weights) @ self._blocks)
         whole = np.concatenate([norms, norms[pairs.apart]])[pairs.order]
         return csr_array((whole, pairs.columns, pairs.starts), shape=(pairs.node_count, pairs.node_count))
-
-    def _assembled(self, weights: Floats) -> Floats:
-        """Σ w_e K_e by blocks, shape [pairs of the mesh, 9]."""
-        return np.asarray(self.pairs.sums(weights) @ self._blocks)
 
     @cached_property
     def _blocks(self) -> Floats:
@@ -301,12 +265,9 @@ LEAST = 1e-12
 
 
 def bound(norms: csr_array, masses: Floats, start: Floats) -> float:
-    """At least the largest eigenvalue of M⁻¹A [1/ms²].
+    """At least the largest eigenvalue of M⁻¹A [1/ms²]; the nearer `start` > 0 is to the eigenvector, the lower.
 
-    Args:
-        norms: Of the blocks of A [N/mm], shape [node_count, node_count].
-        masses: Of the nodes [g], shape [node_count].
-        start: A positive vector, shape [node_count]; the nearer to the eigenvector, the lower the bound.
+    `norms` are of the blocks of A [N/mm], shape [node_count, node_count], `masses` of the nodes [g], shape [node_count].
     """
     x, ratio = start, np.ones(len(start))
     for _ in range(PRODUCTS):
@@ -318,13 +279,7 @@ def bound(norms: csr_array, masses: Floats, start: Floats) -> float:
 def lengthened(norms: csr_array, masses: Floats, share: float) -> tuple[Floats, Floats, float]:
     """Masses that are `share` of the whole more and allow the longest step [g], shape [node_count], what proves it, and what it proves.
 
-    Args:
-        norms: Of the blocks of A [N/mm], shape [node_count, node_count].
-        masses: Of the nodes [g], shape [node_count].
-        share: Mass to add, over the mass of the body.
-
-    Returns:
-        The masses, the positive vector x of shape [node_count] with which they are bounded, and the bound λ [1/ms²].
+    `norms` and `masses` are those of `bound`. The proof is a positive vector x, shape [node_count], and the bound λ [1/ms²].
     """
     x, allowance = np.ones(len(masses)), share * masses.sum()
     for _ in range(ROUNDS):

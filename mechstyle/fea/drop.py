@@ -21,7 +21,7 @@ from mechstyle.fea.elements import element_named
 from mechstyle.fea.explicit import QUANTITIES, RECORD_EVERY, Body, Progress, Scheme, damped_step, no_progress
 from mechstyle.fea.flight import RigidBody
 from mechstyle.fea.linear_solvers import lowest_period
-from mechstyle.fea.phases import Rule, Track, follow, longest
+from mechstyle.fea.phases import QUIET_TIME, Rule, Track, follow, longest
 from mechstyle.records.material import Material
 from mechstyle.records.mesh import Floats, Indices, TetMesh, frozen_array
 
@@ -56,6 +56,7 @@ class DropTest:
         element: "tet10", or "tet4" as in the published study: linear tetrahedra lock, in a one-layer wall to a sixth of its deflection.
         added_mass: Mass added where it lengthens the step most, over the mass of the part; see `discretisation`. It makes the step 1.3 to
             1.5 times as long as a tenth of it, and moves σ_V by 1 % at most; with 0.01 it would move by up to 4 %.
+        quiet: Time without contact after which a phase of the impact is over, over the lowest period of the part.
         safety: Time step over a limit that is stable for certain at small strain.
         across: Normal of printed layers over their share of the strength, n / r; zero for a material without layers. What is recorded as
             von Mises stress is then `elasticity.equivalent_stress`.
@@ -68,13 +69,14 @@ class DropTest:
     law: Law = "stable_neo_hookean"
     element: str = "tet10"
     added_mass: float = 0.003
+    quiet: float = QUIET_TIME
     safety: float = 0.95
     across: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     def __post_init__(self) -> None:
         """Refuse values no drop test has, naming the value and the range."""
         limits = {"height": (1.0, 1e5), "friction": (0.0, 2.0), "window": (1e-3, 50.0), "damping": (0.0, 1.0), "added_mass": (0.0, 0.1),
-                  "safety": (0.05, 2.0)}
+                  "quiet": (0.0, 10.0), "safety": (0.05, 2.0)}
         for field, (low, high) in limits.items():
             value = getattr(self, field)
             if value is not None and not low <= value <= high:
@@ -177,7 +179,7 @@ def tracks_for(
     if test.window is None and period is None:
         period = lowest_period(discretisation)
     scheme = scheme_for(discretisation, material, test, period)
-    rule, body = Rule(test.speed, period or 0.0, test.window), RigidBody.of(discretisation, scheme.gravity)
+    rule, body = Rule(test.speed, period or 0.0, test.window, test.quiet), RigidBody.of(discretisation, scheme.gravity)
     return [Track(normal, body, scheme, rule) for normal in normals], scheme
 
 

@@ -1,4 +1,4 @@
-"""Hyperelasticity on tetrahedra, in readable float64 numpy: the reference the fast kernels are tested against.
+"""Elasticity of tetrahedra in float64 numpy: laws and their constants, gradients, masses, stiffness and frequencies.
 
 Units: mm, g, ms → N, MPa = N/mm² = g/(mm ms²), mJ. The kinematic variable everywhere is the displacement gradient
 H = F − I, never F: strains of 1e-3 are differences of nearly equal numbers in F, but not in H. Every formula below is
@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -27,45 +26,19 @@ BATCH = 4096
 """Tetrahedra whose stiffness is assembled at a time: all of 24 000 at once took 1.4 GB."""
 
 
-class ElasticLaw(Protocol):
-    """A stored energy and the stress that derives from it."""
-
-    @property
-    def mu(self) -> float:
-        """First constant of the law [MPa]."""
-
-    @property
-    def la(self) -> float:
-        """Second constant of the law [MPa]."""
-
-    def energy_density(self, H: Floats) -> Floats:
-        """Ψ(H) [MPa = mJ/mm³], zero for H = 0, shape [...]; H has shape [..., 3, 3]."""
-
-    def first_piola(self, H: Floats) -> Floats:
-        """First Piola–Kirchhoff stress P = ∂Ψ/∂H [MPa], shape [..., 3, 3]."""
-
-
 @dataclass(frozen=True)
-class StVenantKirchhoff:
-    """Ψ = λ/2 (tr E)² + μ E:E with Green's strain E = (H + Hᵀ + HᵀH)/2 and the Lamé parameters of the material."""
+class ElasticLaw:
+    """Constants μ and λ of an elastic law [MPa]; `backends.laws` has its energy and its stress P = ∂Ψ/∂H."""
 
     mu: float
     la: float
 
-    def energy_density(self, H: Floats) -> Floats:
-        """Ψ(H) [MPa], shape [...]."""
-        E = green_strain(H)
-        return 0.5 * self.la * trace(E) ** 2 + self.mu * np.einsum("...ij,...ij->...", E, E)
 
-    def first_piola(self, H: Floats) -> Floats:
-        """P = F S = S + H S with S = λ tr(E) I + 2μ E [MPa], shape [..., 3, 3]."""
-        E = green_strain(H)
-        S = self.la * trace(E)[..., None, None] * np.eye(3) + 2.0 * self.mu * E
-        return S + H @ S
+class StVenantKirchhoff(ElasticLaw):
+    """Ψ = λ/2 (tr E)² + μ E:E with Green's strain E = (H + Hᵀ + HᵀH)/2 and the Lamé parameters of the material."""
 
 
-@dataclass(frozen=True)
-class StableNeoHookean:
+class StableNeoHookean(ElasticLaw):
     """Ψ = μ/2 (I_C − 3) − μ/2 ln(I_C + 1) + λ/2 (J − α)², α = 1 + 3μ/(4λ), less its rest value (Smith et al. 2018, eq. 13).
 
     With q = I_C − 3 = 2 tr H + H:H and J − 1 = tr H + tr cof H + det H the constants drop out and the terms of first
@@ -79,30 +52,6 @@ class StableNeoHookean:
     if and only if μ = 4/3 μ_L and λ = λ_L + 5/8 μ = λ_L + 5/6 μ_L. With the Lamé parameters put in directly, PLA would
     be a quarter too soft (E = 2.6 instead of 3.5 GPa). `law_named` does the conversion.
     """
-
-    mu: float
-    la: float
-
-    def energy_density(self, H: Floats) -> Floats:
-        """Ψ(H) [MPa], shape [...]."""
-        q, volume_change = self._invariants(H)
-        square = np.einsum("...ij,...ij->...", H, H)
-        shape = square - 2.0 * (volume_change - trace(H))
-        return 0.375 * self.mu * shape + 0.5 * self.mu * (0.25 * q - np.log1p(0.25 * q)) + 0.5 * self.la * volume_change**2
-
-    def first_piola(self, H: Floats) -> Floats:
-        """P = ∂Ψ/∂H [MPa], shape [..., 3, 3]."""
-        q, volume_change = (value[..., None, None] for value in self._invariants(H))
-        cof, spherical = cofactor(H), trace(H)[..., None, None] * np.eye(3)
-        transposed = np.swapaxes(H, -1, -2)
-        cof_F = np.eye(3) + spherical - transposed + cof
-        shape = H + transposed - spherical - cof
-        return 0.75 * self.mu * shape + self.mu * q / (4.0 * (4.0 + q)) * (np.eye(3) + H) + self.la * volume_change * cof_F
-
-    @staticmethod
-    def _invariants(H: Floats) -> tuple[Floats, Floats]:
-        """Both of q = I_C − 3 and J − 1, each of shape [...]."""
-        return 2.0 * trace(H) + np.einsum("...ij,...ij->...", H, H), trace(H) + trace(cofactor(H)) + np.linalg.det(H)
 
 
 def law_named(name: str, material: Material) -> ElasticLaw:
@@ -120,24 +69,6 @@ def trace(A: Floats) -> Floats:
     return np.einsum("...ii->...", A)
 
 
-def cofactor(A: Floats) -> Floats:
-    """The cofactors cof A = det(A) A⁻ᵀ, defined for singular A too, shape [..., 3, 3]."""
-    a, b, c = A[..., 0, :], A[..., 1, :], A[..., 2, :]
-    return np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)], axis=-2)
-
-
-def green_strain(H: Floats) -> Floats:
-    """E = (H + Hᵀ + HᵀH)/2, shape [..., 3, 3]."""
-    transposed = np.swapaxes(H, -1, -2)
-    return 0.5 * (H + transposed + transposed @ H)
-
-
-def cauchy_stress(H: Floats, P: Floats) -> Floats:
-    """Cauchy stress σ = P Fᵀ / J [MPa], shape [..., 3, 3]."""
-    J = 1.0 + trace(H) + trace(cofactor(H)) + np.linalg.det(H)
-    return (P + P @ np.swapaxes(H, -1, -2)) / J[..., None, None]
-
-
 def von_mises(stress: Floats) -> Floats:
     """Equivalent stress sqrt(3/2 s:s), s the deviator of `stress` [MPa], shape [...]."""
     deviator = stress - trace(stress)[..., None, None] / 3.0 * np.eye(3)
@@ -150,12 +81,7 @@ def equivalent_stress(stress: Floats, across: ArrayLike = (0.0, 0.0, 0.0)) -> Fl
     Layers with normal n have the share r of the strength: with t = σn the demand is the largest of σ_vM / σ_y, max(0, n·t) / (r σ_y) and
     |t − (n·t) n| / (r σ_y / √3). Pressure on layers does no harm.
 
-    Args:
-        stress: Cauchy stress [MPa], shape [..., 3, 3].
-        across: n / r, shape [3]; zero for a material without layers.
-
-    Returns:
-        Equivalent stress [MPa], shape [...].
+    Of Cauchy stress [MPa], shape [..., 3, 3], and `across` = n / r, shape [3], zero for a material without layers; shape [...].
     """
     of_solid, weak = von_mises(stress), np.asarray(across, dtype=np.float64)
     steep = float(weak @ weak)
@@ -203,25 +129,6 @@ def _gradients_at(derivatives: Floats, mesh: ElementMesh, displacement: Floats) 
     nodal = displacement[mesh.connectivity]
     at_points = np.einsum("nai,qak->nqik", nodal - nodal[:, :1], derivatives, optimize=True)
     return np.asarray(at_points @ barycentric_gradients(mesh.tets)[:, None])
-
-
-def strain_energy(mesh: ElementMesh, law: ElasticLaw, displacement: Floats) -> float:
-    """U = Σ V Ψ(H) [mJ]."""
-    return float((point_volumes(mesh) * law.energy_density(displacement_gradients(mesh, displacement))).sum())
-
-
-def internal_forces(mesh: ElementMesh, law: ElasticLaw, displacement: Floats) -> Floats:
-    """Forces the deformed body exerts on its nodes, f_a = −Σ V P ∇N_a = −∂U/∂u_a [N], shape [node_count, 3]."""
-    return forces_of(mesh, law, displacement_gradients(mesh, displacement))
-
-
-def forces_of(mesh: ElementMesh, law: ElasticLaw, gradients: Floats) -> Floats:
-    """As `internal_forces`, of displacement gradients H at the Gauss points, shape [tet_count, points, 3, 3]."""
-    P = law.first_piola(gradients)
-    shares = -np.einsum("nq,nqij,nqaj->nai", point_volumes(mesh), P, shape_gradients(mesh))
-    forces = np.zeros_like(mesh.nodes)
-    np.add.at(forces, mesh.connectivity, shares)
-    return forces
 
 
 def lumped_masses(mesh: ElementMesh, masses: Floats) -> Floats:

@@ -164,7 +164,7 @@ class Body(Protocol):
     def internal_forces(
         self, law: ElasticLaw, displacement: Floats, velocity: Floats | float = 0.0, damping: Floats | float = 0.0
     ) -> Floats:
-        """As `elasticity.internal_forces` of u + β v, in the numbering of the discretisation, float32 inside, shape [node_count, 3]."""
+        """Forces f_a = −Σ V P ∇N_a of u + β v, in the numbering of the discretisation, float32 inside, shape [node_count, 3]."""
 
     def batches(self, scheme: Scheme, starts: Starts) -> Sequence[Batch]:
         """The drops, in their order."""

@@ -29,9 +29,7 @@ PRODUCTS, MARGIN = 15, 1.1
 def linear_fields(connectivity: Indices, node_count: int) -> csr_array:
     """Nodal values of the fields that are linear in each tetrahedron, from those at its corners, shape [3 node_count, 3 corner_count].
 
-    Args:
-        connectivity: Nodes of each tetrahedron, shape [tet_count, nodes].
-        node_count: Nodes.
+    `connectivity` has the nodes of each tetrahedron, shape [tet_count, nodes].
     """
     corners, number = np.unique(connectivity[:, :4], return_inverse=True)
     rows, columns, values = [corners], [np.arange(len(corners))], [np.ones(len(corners))]
@@ -47,15 +45,10 @@ def linear_fields(connectivity: Indices, node_count: int) -> csr_array:
 
 
 class TwoLevel:
-    """An approximate inverse of a symmetric positive (semi-)definite matrix; symmetric and positive definite itself.
+    """An approximate inverse of a symmetric positive (semi-)definite matrix A; symmetric and positive definite itself.
 
-    Args:
-        matrix: A, shape [n, n].
-        fields: The linear fields, shape [n, m].
-        shift: Added to A where it is solved for the linear fields, so that a singular one can be.
-
-    Raises:
-        SimulationFailed: If that matrix cannot be factorised.
+    `fields` are the linear fields, shape [n, m]. A shift is added where A is solved for them, so that a singular one can be;
+    SimulationFailed if that matrix cannot be factorised.
     """
 
     def __init__(self, matrix: bsr_array | csr_array, fields: csr_array, shift: float = 0.0) -> None:
@@ -103,10 +96,7 @@ def solver(matrix: csr_array, fields: csr_array) -> Callable[[Floats], Floats]:
 
     Conjugate gradients, with the linear fields solved for directly: of 6500 tetrahedra the factors of A take ten times the memory and five
     times the time, and both grow faster than the mesh. Small systems, and one that does not converge, are factorised.
-
-    Args:
-        matrix: A, shape [n, n].
-        fields: The linear fields, shape [n, m].
+    `matrix` is A, shape [n, n], `fields` the linear fields, shape [n, m].
 
     Raises:
         RuntimeError, MemoryError: If A cannot be factorised.

@@ -65,11 +65,13 @@ class Rule:
         speed: Speed at first touch [mm/ms].
         period: Lowest elastic period of the body [ms]; unused if there is a window.
         window: Time after first touch [ms], None for as long as the impact lasts.
+        quiet: Time without contact after which a phase is over, over the lowest period.
     """
 
     speed: float
     period: float
     window: float | None
+    quiet: float = QUIET_TIME
 
 
 class Track:
@@ -202,7 +204,7 @@ class Track:
             return f"the window of {rule.window:g} ms was over" if self.left <= 0 else ""
         if self.left <= 0:
             return f"{simulated:.3g} ms were simulated, the most for a part whose lowest period is {rule.period:.2g} ms"
-        return "" if self.time - self._quiet_since < QUIET_TIME * rule.period else self._out_of_contact()
+        return "" if self.time - self._quiet_since < rule.quiet * rule.period else self._out_of_contact()
 
     def _out_of_contact(self) -> str:
         """As `_over` of a body that the floor has not pushed for long."""

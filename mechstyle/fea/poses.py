@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.spatial import ConvexHull
 
-from mechstyle.records.mesh import Floats, frozen_array
+from mechstyle.records.mesh import Floats
 
 SIDES = {1: "top", 2: "right", 3: "bottom", 4: "left", 5: "near end", 6: "far end"}
 """Faces of a box by number."""
@@ -50,26 +50,8 @@ class BoundingBox:
     low: Floats
     high: Floats
 
-    def __post_init__(self) -> None:
-        """Freeze the arrays."""
-        for name, shape in (("axes", (3, 3)), ("low", (3,)), ("high", (3,))):
-            object.__setattr__(self, name, frozen_array(getattr(self, name), np.float64, shape, name))
-
-    @property
-    def size(self) -> Floats:
-        """Its edges [mm], shape [3]."""
-        return np.asarray(self.high - self.low)
-
     def landing(self, faces: tuple[int, ...], centre: ArrayLike) -> Floats:
-        """Floor normal with which the part lands on a face, on the edge of two, or on the corner of three, its centre of mass above.
-
-        Args:
-            faces: Numbers of one to three faces that meet.
-            centre: Centre of mass [mm], shape [3].
-
-        Returns:
-            Unit vector in the frame of the part, out of the floor, shape [3].
-        """
+        """Unit floor normal with which the part lands on one to three faces that meet, its centre of mass [mm] above, shape [3]."""
         middle = self.axes @ np.asarray(centre, dtype=np.float64)
         arm = np.zeros(3)  # from the face, edge or corner to the centre of mass, by the shortest way
         for axis, side in (AXIS_OF[face] for face in faces):
@@ -80,12 +62,11 @@ class BoundingBox:
     def length(self, edge: tuple[int, int]) -> float:
         """Length of the edge in which two faces meet [mm]."""
         (along,) = {0, 1, 2} - {AXIS_OF[face][0] for face in edge}
-        return float(self.size[along])
+        return float(self.high[along] - self.low[along])
 
     def area(self, face: int) -> float:
         """Area of a face [mm²]."""
-        across = AXIS_OF[face][0]
-        return float(np.prod(np.delete(self.size, across)))
+        return float(np.prod(np.delete(self.high - self.low, AXIS_OF[face][0])))
 
 
 def named(faces: tuple[int, ...]) -> str:
@@ -97,10 +78,8 @@ def named(faces: tuple[int, ...]) -> str:
 def places(poses: str, box: BoundingBox) -> tuple[tuple[int, ...], ...]:
     """What of a box is dropped on, in the order it is dropped: faces, edges as pairs of faces, corners as triples.
 
-    Args:
-        poses: `faces6`, the faces; `box26`, faces, edges and corners (MIL-STD-810H, method 516.8); or `box10` (ISTA 1A): a corner, the
-            edges that radiate from it, shortest first, and the faces, smallest first.
-        box: The box; lengths and areas alike within a micrometre keep the order of their numbers.
+    `faces6` are the faces; `box26` faces, edges and corners (MIL-STD-810H, method 516.8); `box10` (ISTA 1A) a corner, the edges that
+    radiate from it, shortest first, and the faces, smallest first, alike within a micrometre in the order of their numbers.
     """
     faces = [(face,) for face in SIDES]
     if poses == "faces6":
@@ -177,37 +156,28 @@ def stable_poses(points: ArrayLike, centre: ArrayLike) -> tuple[Floats, Floats]:
     hull = ConvexHull(np.asarray(points, dtype=np.float64) - np.asarray(centre, dtype=np.float64))
     outward, heights = hull.equations[:, :3], -hull.equations[:, 3]
     corners = hull.points[hull.simplices]
-    inside = _distances_inside(corners, outward * heights[:, None])
-    facets = np.arange(len(corners))
-    stable = inside.min(axis=1) > -1e-9 * np.ptp(hull.points, axis=0).max()
-    end = np.where(stable, facets, hull.neighbors[facets, inside.argmin(axis=1)])
-    for _ in range(len(facets).bit_length()):  # twice as many tips each time
-        end = end[end]
-    chances = np.bincount(end, weights=_solid_angles(corners), minlength=len(facets))
-    ends = np.flatnonzero(chances)
-    return -outward[ends], chances[ends] / chances.sum()
-
-
-def _distances_inside(corners: Floats, feet: Floats) -> Floats:
-    """Distance of points in the planes of triangles from the edges opposite to corners 0, 1 and 2, positive inside [mm], shape [n, 3]."""
-    distances = np.empty((len(corners), 3))
-    for corner in range(3):
+    inside, feet = np.empty((len(corners), 3)), outward * heights[:, None]
+    for corner in range(3):  # distance of the foot from the edge opposite to each corner, positive inside
         opposite, start, end = (corners[:, (corner + shift) % 3] for shift in range(3))
         along = (end - start) / np.linalg.norm(end - start, axis=1, keepdims=True)
         across = opposite - start
         across -= np.einsum("ij,ij->i", across, along)[:, None] * along
         across /= np.linalg.norm(across, axis=1, keepdims=True)
-        distances[:, corner] = np.einsum("ij,ij->i", feet - start, across)
-    return distances
-
-
-def _solid_angles(corners: Floats) -> Floats:
-    """Solid angles of triangles seen from the origin (Van Oosterom and Strackee 1983), shape [n]."""
+        inside[:, corner] = np.einsum("ij,ij->i", feet - start, across)
+    facets = np.arange(len(corners))
+    stable = inside.min(axis=1) > -1e-9 * np.ptp(hull.points, axis=0).max()
+    end = np.where(stable, facets, hull.neighbors[facets, inside.argmin(axis=1)])
+    for _ in range(len(facets).bit_length()):  # twice as many tips each time
+        end = end[end]
     a, b, c = np.moveaxis(corners, 1, 0)
     la, lb, lc = np.linalg.norm(corners, axis=2).T
     volume = np.abs(np.einsum("ij,ij->i", a, np.cross(b, c)))
     ab, bc, ca = (np.einsum("ij,ij->i", one, other) for one, other in ((a, b), (b, c), (c, a)))
-    return 2.0 * np.arctan2(volume, la * lb * lc + ab * lc + bc * la + ca * lb)
+    # solid angles of triangles seen from the origin (Van Oosterom and Strackee 1983)
+    angles = 2.0 * np.arctan2(volume, la * lb * lc + ab * lc + bc * la + ca * lb)
+    chances = np.bincount(end, weights=angles, minlength=len(facets))
+    ends = np.flatnonzero(chances)
+    return -outward[ends], chances[ends] / chances.sum()
 
 
 def merged(normals: Floats, chances: Floats, angle: float) -> tuple[Floats, Floats]:

@@ -59,25 +59,13 @@ class Snapshot:
 
 
 def snapshots(
-    tets: TetMesh,
-    material: Material,
-    test: DropTest = DROP,
-    *,
-    normal: tuple[float, float, float] = UP,
-    frames: int = 50,
-    progress: Progress = no_progress,
-    period: float | None = None,
-) -> Snapshots:
-    """Drop a body, by default as it stands, on the CPU, and keep at most so many moments.
+    tets: TetMesh, material: Material, test: DropTest = DROP, *,
+    normal: tuple[float, float, float] = UP, frames: int = 50, progress: Progress = no_progress, period: float | None = None,
+) -> Snapshots:  # fmt: skip
+    """Drop a body, by default as it stands, on the CPU, and keep at most so many moments, at least 4; `progress` may raise to cancel.
 
-    Args:
-        tets: The body [mm].
-        material: Its material.
-        test: Height, window and numerical settings.
-        normal: Of the floor, out of it, in the frame of the body; of length one.
-        frames: Most moments, at least 4; there are more than half as many unless the drop has fewer looks at it.
-        progress: Called with the fraction done; may raise to cancel.
-        period: As for `drop.drop`.
+    There are more than half as many unless the drop has fewer looks at it. `normal` is that of the floor, out of it, in the frame of the
+    body, of length one; others are as for `drop.drop`.
 
     Raises:
         BadInput: Unusable tetrahedra.
@@ -99,19 +87,7 @@ def snapshots(
 
 
 def snapshot(tets: TetMesh, material: Material, test: DropTest, time: float, period: float | None = None) -> Snapshot:
-    """Drop a body as it stands, on the CPU, and tell how it looked nearest to a time.
-
-    Args:
-        tets: The body [mm].
-        material: Its material.
-        test: Height, window and numerical settings.
-        time: Time since first touch [ms].
-        period: As for `drop.drop`.
-
-    Raises:
-        BadInput: Unusable tetrahedra.
-        SimulationFailed: If the drop breaks down, or its lowest period cannot be worked out.
-    """
+    """Position nearest to a time since first touch [ms] in a drop of a body as it stands, on the CPU; raises as `snapshots`."""
     discretisation = discretise(tets, material, test.added_mass, element_named(test.element))
     still = _Still(time, np.zeros_like(discretisation.positions, dtype=np.float32))
     _filmed(discretisation, material, test, still, no_progress, period, np.array([UP]))
@@ -120,15 +96,7 @@ def snapshot(tets: TetMesh, material: Material, test: DropTest, time: float, per
 
 @dataclass
 class _Film:
-    """Moments of a drop; when there are too many, every second is merged into the one after it.
-
-    Attributes:
-        most: Most moments.
-        times: When they were [ms].
-        moved: Displacements of the nodes [mm].
-        peaks: Largest stress since the moment before at the Gauss points [MPa].
-        corners: The same at the corners.
-    """
+    """Moments of a drop, at most so many: every second is merged into the one after it when there are more; else as `Snapshots`."""
 
     most: int
     times: list[float] = field(default_factory=list)
@@ -162,13 +130,7 @@ class _Film:
 
 @dataclass
 class _Still:
-    """The moment nearest to a wanted one.
-
-    Attributes:
-        wanted: When it should be [ms].
-        moved: Displacement of the nodes then [mm].
-        time: When it is [ms].
-    """
+    """The moment nearest to a wanted one [ms], and how far each node has moved by then [mm]."""
 
     wanted: float
     moved: NDArray[np.float32]
@@ -181,14 +143,9 @@ class _Still:
 
 
 def _filmed(
-    discretisation: Discretisation,
-    material: Material,
-    test: DropTest,
-    camera: Camera,
-    progress: Progress,
-    period: float | None,
-    normals: Floats,
-) -> Bools:
+    discretisation: Discretisation, material: Material, test: DropTest, camera: Camera,
+    progress: Progress, period: float | None, normals: Floats,
+) -> Bools:  # fmt: skip
     """Drop a body on the floor of one normal, shape [1, 3], before a camera; whether each node met the floor, shape [node_count]."""
     tracks, scheme = tracks_for(discretisation, material, normals, test, period)
     follow(CoreBody(discretisation), scheme, tracks, progress, camera)

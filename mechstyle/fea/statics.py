@@ -22,7 +22,7 @@ from mechstyle.fea.drop import GRAVITY
 from mechstyle.fea.elasticity import corner_gradients, displacement_gradients, equivalent_stress, stiffness_matrix, trace
 from mechstyle.fea.elements import ElementMesh, element_named, with_nodes
 from mechstyle.fea.linear_solvers import linear_fields, solver
-from mechstyle.records.load_cases import RESTING_FACE, Load, LoadCase, Patch, Place, Support
+from mechstyle.records.load_cases import RESTING_FACE, LoadCase, Patch, Place, Support
 from mechstyle.records.material import Material
 from mechstyle.records.mesh import Bools, Floats, Indices, SurfaceMesh, TetMesh, in_ball, on_floor
 
@@ -52,11 +52,7 @@ POINTS = _points_of_a_triangle()
 
 @dataclass(frozen=True, eq=False)
 class Boundary:
-    """The sides of a body that belong to one tetrahedron only.
-
-    Attributes:
-        mesh: The body.
-    """
+    """The sides of a body that belong to one tetrahedron only."""
 
     mesh: ElementMesh
 
@@ -87,9 +83,7 @@ class Boundary:
     def forces(self, inside: Bools, traction: Floats) -> Floats:
         """Consistent nodal forces of a traction, f_a = ∫ N_a t dA [N], shape [node_count, 3].
 
-        Args:
-            inside: Which points of which sides the traction acts at, shape [side_count, point_count].
-            traction: t times the area of the whole side [N], shape [side_count, 3].
+        It acts at the points `inside`, shape [side_count, point_count]; `traction` is t times the area of the whole side [N].
         """
         N = POINTS  # L_i of a linear triangle; L_i (2 L_i − 1) at the corners and 4 L_i L_j at the middles of a quadratic one
         if self.sides.shape[1] > 3:
@@ -107,12 +101,7 @@ TOUCH = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Picked:
-    """A piece of a boundary.
-
-    Attributes:
-        inside: Which points of which sides belong to it, shape [side_count, point_count].
-        nodes: Which nodes a support there holds, shape [node_count].
-    """
+    """A piece of a boundary: points of sides, shape [side_count, point_count], and nodes that a support there holds, shape [node_count]."""
 
     inside: Bools
     nodes: Bools
@@ -237,12 +226,7 @@ def stresses(material: Material, gradients: Floats, across: ArrayLike = (0.0, 0.
 
 @dataclass(frozen=True, eq=False)
 class Restraint:
-    """Admissible nodal displacements, u = Z q.
-
-    Attributes:
-        basis: Z, orthonormal columns, shape [3 node_count, free_count].
-        held: Which nodes are held in some direction, shape [node_count].
-    """
+    """Admissible nodal displacements u = Z q, Z of shape [3 node_count, free_count], and which nodes are held in some direction."""
 
     basis: sparse.csc_array
     held: Bools
@@ -312,13 +296,7 @@ BODY_SHARES = {"tet4": np.full(4, 1.0 / 4.0), "tet10": np.array([-1.0 / 20.0] * 
 
 @dataclass(frozen=True, eq=False)
 class StaticTest:
-    """The load cases of one part.
-
-    Attributes:
-        tets: The unstylized part, on which places are picked.
-        cases: Its load cases.
-        element: `tet10` or `tet4`; linear tetrahedra are several times too stiff in thin walls.
-    """
+    """Load cases of one part, whose places are picked on the unstylized tetrahedra."""
 
     tets: TetMesh
     cases: tuple[LoadCase, ...]
@@ -331,10 +309,7 @@ class StaticTest:
     def run(self, tets: TetMesh, material: Material, across: ArrayLike = (0.0, 0.0, 0.0)) -> dict[str, Response]:
         """The response of a morph of the part to every case, by the case's name; one factorisation per set of supports.
 
-        Args:
-            tets: A morph of the part.
-            material: Its material.
-            across: Of its printed layers, as for `elasticity.equivalent_stress`.
+        `across` is that of its printed layers, as for `elasticity.equivalent_stress`.
 
         Raises:
             BadInput: If a place selects nothing, a case does not hold the part, or its loads cancel out at every node.
@@ -343,8 +318,21 @@ class StaticTest:
         boundary = Boundary(with_nodes(tets, element_named(self.element)))
         loads: dict[str, Floats] = {}
         for case in self.cases:
-            each = (self._nodal_load(load, boundary, material) for load in case.loads)
-            loads[case.name] = sum(each, np.zeros_like(boundary.mesh.nodes))
+            total = np.zeros_like(boundary.mesh.nodes)
+            for load in case.loads:
+                if load.gravity is not None:
+                    down = np.array(load.direction) / np.linalg.norm(load.direction)
+                    total = total + weight(boundary.mesh, material.density, load.gravity * GRAVITY * down)
+                    continue
+                assert load.at is not None, "a load case refuses a force or pressure without a place"
+                picked = self._picked[load.at]
+                if load.force is not None:
+                    traction = np.outer(boundary.areas / picked.area(boundary), load.force)
+                else:
+                    assert load.pressure is not None, "a load is a force, a pressure or gravity"
+                    traction = -load.pressure * boundary.area_vectors
+                total = total + boundary.forces(picked.inside, traction)
+            loads[case.name] = total
             if not loads[case.name].any():
                 raise BadInput(f"load case {case.name!r}: its loads cancel out everywhere; leave it out or change a load")
         responses: dict[str, Response] = {}
@@ -379,18 +367,6 @@ class StaticTest:
                 with _naming(case):
                     restraints[case.supports] = Restraint.of(self._undeformed, held)
         return restraints
-
-    def _nodal_load(self, load: Load, boundary: Boundary, material: Material) -> Floats:
-        """Consistent nodal forces of one load [N], shape [node_count, 3]."""
-        if load.gravity is not None:
-            down = np.array(load.direction) / np.linalg.norm(load.direction)
-            return weight(boundary.mesh, material.density, load.gravity * GRAVITY * down)
-        assert load.at is not None, "a load case refuses a force or pressure without a place"
-        picked = self._picked[load.at]
-        if load.force is not None:
-            return boundary.forces(picked.inside, np.outer(boundary.areas / picked.area(boundary), load.force))
-        assert load.pressure is not None, "a load is a force, a pressure or gravity"
-        return boundary.forces(picked.inside, -load.pressure * boundary.area_vectors)
 
 
 @contextmanager

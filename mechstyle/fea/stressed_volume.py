@@ -36,12 +36,7 @@ APART = 1e-6
 
 
 class Exceeded(NamedTuple):
-    """A stress that a volume exceeds, and where.
-
-    Attributes:
-        stress: σ_V [MPa].
-        where: Centre of the volume that exceeds it [mm].
-    """
+    """A stress that a volume exceeds, σ_V [MPa], and the centre of that volume [mm]."""
 
     stress: float
     where: Place
@@ -49,12 +44,7 @@ class Exceeded(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Walls:
-    """Wall thickness of a part, by which small volumes of thin members count.
-
-    Attributes:
-        points: Where it is known [mm], shape [n, 3].
-        thickness: The thickness there [mm], shape [n].
-    """
+    """Wall thickness [mm], shape [n], at points of a part [mm], shape [n, 3], by which small volumes of thin members count."""
 
     points: Floats
     thickness: NDArray[np.floating]
@@ -74,13 +64,9 @@ def at_nodes(tets: TetMesh, corners: ArrayLike) -> Floats:
 
 
 def exceeded(tets: TetMesh, nodal: ArrayLike, weights: Floats | float, volume: float) -> Exceeded:
-    """σ_V of a stress that is linear in each tetrahedron.
+    """σ_V of a stress that is linear in each tetrahedron; the smallest stress if the part has no more than V0, `volume` [mm³].
 
-    Args:
-        tets: The body.
-        nodal: Stress at its vertices [MPa], shape [vertex_count].
-        weights: Factor on the volume of each tetrahedron, shape [tet_count].
-        volume: V0 [mm³]. The smallest stress if the part has no more than that.
+    `nodal` is the stress at its vertices [MPa], shape [vertex_count], `weights` a factor on the volume of each tetrahedron.
     """
     values = np.sort(np.asarray(nodal, np.float64)[tets.tets], axis=1)
     if not np.isfinite(values).all():

@@ -33,21 +33,13 @@ _SAID = re.compile(r"(.+)#(\w+=.*)", re.DOTALL)
 
 
 class Entry(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """A model as the catalogue knows it.
+    """A model as the catalogue knows it."""
 
-    Attributes:
-        module: The module of this package that builds it.
-        about: What it is, in one line.
-        teaches: What one learns from it, in one sentence.
-        protect: The regions of its function, as they are written after `--protect`.
-        use: A load it carries in life, for its default measures; None for what carries nothing.
-    """
-
-    module: str
-    about: str
-    teaches: str
-    protect: tuple[str, ...]
-    use: LoadCase | None = None
+    module: str  # the module of this package that builds it
+    about: str  # what it is, in one line
+    teaches: str  # what one learns from it, in one sentence
+    protect: tuple[str, ...]  # the regions of its function, as they are written after `--protect`
+    use: LoadCase | None = None  # a load it carries in life, for its default measures; None for what carries nothing
 
 
 def names() -> tuple[str, ...]:

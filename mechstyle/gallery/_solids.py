@@ -16,6 +16,7 @@ from mechstyle.records.mesh import Floats, SurfaceMesh
 
 Level = tuple[float, float]  # height and inset of an outline [mm]
 
+FOOT = 0.8  # chamfer under a standing model [mm]: a printed first layer spreads by about as much
 SAGITTA = 0.02  # how far a chord may lie inside the arc it stands for [mm]
 
 
@@ -155,12 +156,9 @@ def skinned(rings: ArrayLike, *, closed: bool = False) -> Manifold:
 
 
 def swept(path: ArrayLike, sizes: ArrayLike, *, power: float = 2.6) -> Manifold:
-    """A bar along a line in the y-z plane.
+    """A bar along a line (y, z), shape [n, 2], of a width along x and a thickness in the plane at each point, shape [n, 2].
 
-    Args:
-        path: Its middle (y, z) [mm], shape [n, 2].
-        sizes: Its width along x and thickness in the plane [mm] at each point, shape [n, 2].
-        power: Exponent of its superelliptic section: 2 is an ellipse, more is boxier.
+    `power` is the exponent of its superelliptic section: 2 is an ellipse, more is boxier.
     """
     line, half = np.asarray(path, dtype=np.float64), np.asarray(sizes, dtype=np.float64) / 2
     tangent = np.gradient(line, axis=0)
@@ -248,39 +246,24 @@ def _manifold(vertices: Floats, faces: NDArray[np.int64]) -> Manifold:
 
 
 def inner_radius(outer: Floats, height: Floats, turn: Floats, wall: float) -> Floats:
-    """Radius inside a wall of constant thickness along its normal, to first order [mm].
-
-    Args:
-        outer: Outer radius [mm], shape [levels, points].
-        height: Rising heights of the levels [mm], shape [levels].
-        turn: Evenly spaced angles of the points, shape [points].
-        wall: Thickness [mm].
-    """
+    """Radius [mm] inside a wall of constant thickness along its normal, to first order, of an outer radius, shape [levels, points]."""
     steep = np.gradient(outer, height, axis=0)
     around = (np.roll(outer, -1, axis=1) - np.roll(outer, 1, axis=1)) / (2.0 * turn[1] * outer)
     return np.asarray(outer - wall * np.sqrt(1.0 + steep**2 + around**2))
 
 
-def rim(outer: Floats, inner: Floats, height: float, rise: float, steps: int = 10) -> tuple[Floats, Floats]:
-    """Radii [steps - 1, points] and heights [steps - 1] of a round rim from the outer to the inner edge of a wall, both left out."""
-    over = np.linspace(0.0, math.pi, steps + 1)[1:-1]
+def rim(outer: Floats, inner: Floats, height: float, rise: float) -> tuple[Floats, Floats]:
+    """Radii [9, points] and heights [9] of a round rim from the outer to the inner edge of a wall, both left out."""
+    over = np.linspace(0.0, math.pi, 11)[1:-1]
     return (outer + inner) / 2 + (outer - inner) / 2 * np.cos(over)[:, None], height + rise * np.sin(over)
 
 
-def bowl(inner: Floats, height: Floats, base: float, fillet: float, steps: int = 8) -> tuple[Floats, Floats]:
-    """The inside of a vessel in rings, from its upper edge down over a fillet to the floor at `base`.
+def bowl(inner: Floats, height: Floats, base: float, fillet: float) -> tuple[Floats, Floats]:
+    """The inside of a vessel in rings, from its upper edge down over a fillet to the floor at `base`: radii [k, points], heights [k].
 
-    Args:
-        inner: Inner radius [mm], shape [levels, points].
-        height: Rising heights of the levels [mm], shape [levels].
-        base: Height of the floor [mm].
-        fillet: How far the wall runs out onto the floor [mm].
-        steps: Rings of the fillet.
-
-    Returns:
-        Radii [mm], shape [k, points], and falling heights [mm], shape [k].
+    The inner radius, shape [levels, points], is that at rising heights; `fillet` is how far the wall runs out onto the floor.
     """
-    into = np.linspace(0.0, math.pi / 2, steps + 1)
+    into = np.linspace(0.0, math.pi / 2, 9)
     above = height > base + fillet
     level = np.concatenate([height[above][::-1], base + fillet * (1.0 - np.sin(into))])
     radius = np.stack([np.interp(level, height, column) for column in inner.T], axis=1)

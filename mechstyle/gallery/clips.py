@@ -1,4 +1,4 @@
-"""Models that keep things together or are carried along: clips, cable winder, spectacle frame, key tag."""
+"""Models that keep things together or are carried along: clips, cable winder, spectacle frame, key tag; measures in mm."""
 
 from __future__ import annotations
 
@@ -11,22 +11,10 @@ from mechstyle.gallery import _solids
 from mechstyle.records.mesh import SurfaceMesh
 
 
-def cable_clip(
-    *,
-    cables: int = 3,
-    cable: float = 6.0,
-    pitch: float = 15.0,
-    height: float = 13.0,
-    depth: float = 20.0,
-) -> SurfaceMesh:
+def cable_clip(*, cables: int = 3, cable: float = 6.0, pitch: float = 15.0, height: float = 13.0, depth: float = 20.0) -> SurfaceMesh:
     """A block for the edge of a desk that cables are pressed into from above.
 
-    Args:
-        cables: Cables side by side.
-        cable: Diameter of a cable [mm].
-        pitch: Way from one cable to the next [mm].
-        height: Height [mm].
-        depth: Depth [mm].
+    `cables` side by side, each of a diameter `cable`, `pitch` from one to the next.
     """
     cables = _solids.count("cables", cables, 1, 8)
     _solids.within(cable=(cable, 3, 12), pitch=(pitch, cable + 6, 40), height=(height, cable + 5, 30), depth=(depth, 10, 60))
@@ -41,21 +29,11 @@ def cable_clip(
 
 
 def cable_winder(
-    *,
-    length: float = 92.0,
-    width: float = 46.0,
-    thickness: float = 4.5,
-    waist: float = 26.0,
-    slit: float = 3.4,
+    *, length: float = 92.0, width: float = 46.0, thickness: float = 4.5, waist: float = 26.0, slit: float = 3.4
 ) -> SurfaceMesh:
     """A flat bone to wind a cable around, with slits that hold its ends.
 
-    Args:
-        length: Length [mm].
-        width: Width [mm].
-        thickness: Thickness [mm].
-        waist: Width where the cable lies [mm].
-        slit: Width of the slits [mm].
+    `waist` is its width where the cable lies, `slit` that of the slits.
     """
     _solids.within(length=(length, 50, 150), width=(width, 30, 90), thickness=(thickness, 2.4, 10), waist=(waist, 12, width - 10))
     _solids.within(slit=(slit, 2, 7))
@@ -68,22 +46,10 @@ def cable_winder(
     return _solids.standing(_solids.slab(_solids.softened(outline, 1.4, 1.4), thickness, foot=0.6, top=1.2))
 
 
-def bag_clip(
-    *,
-    length: float = 116.0,
-    depth: float = 14.0,
-    thickness: float = 4.2,
-    gap: float = 2.6,
-    loop: float = 9.0,
-) -> SurfaceMesh:
+def bag_clip(*, length: float = 116.0, depth: float = 14.0, thickness: float = 4.2, gap: float = 2.6, loop: float = 9.0) -> SurfaceMesh:
     """Two springy jaws that are pushed over the folded mouth of a bag, lying on their side.
 
-    Args:
-        length: Length [mm].
-        depth: Depth of the jaws [mm].
-        thickness: Thickness of the jaws [mm].
-        gap: Space between them [mm].
-        loop: Inner radius of the bend that lets them spring [mm].
+    `depth` and `thickness` of the jaws, the `gap` between them, and the inner radius `loop` of the bend that lets them spring.
     """
     _solids.within(length=(length, 60, 180), depth=(depth, 8, 30), thickness=(thickness, 2.4, 8), gap=(gap, 1.2, 8))
     _solids.within(loop=(loop, gap, 20))
@@ -97,21 +63,11 @@ def bag_clip(
 
 
 def spectacle_frame(
-    *,
-    lens_width: float = 49.0,
-    lens_height: float = 41.0,
-    bridge: float = 19.0,
-    rim: float = 4.2,
-    depth: float = 4.4,
+    *, lens_width: float = 49.0, lens_height: float = 41.0, bridge: float = 19.0, rim: float = 4.2, depth: float = 4.4
 ) -> SurfaceMesh:
     """The front of a pair of spectacles, lying flat.
 
-    Args:
-        lens_width: Width of a lens opening [mm].
-        lens_height: Height of a lens opening [mm].
-        bridge: Gap between the lens openings [mm].
-        rim: Width of the rim around a lens [mm].
-        depth: Thickness of the front [mm].
+    `bridge` is the gap between the lens openings, `rim` its width around a lens, `depth` the thickness of the front.
     """
     _solids.within(lens_width=(lens_width, 36, 64), lens_height=(lens_height, 26, 56), bridge=(bridge, 14, 28))
     _solids.within(rim=(rim, 2.5, 0.45 * bridge), depth=(depth, 2.5, 8))
@@ -130,22 +86,10 @@ def spectacle_frame(
     return _solids.standing(_solids.slab(front, depth, foot=0.5, top=rounding))
 
 
-def key_tag(
-    *,
-    length: float = 64.0,
-    width: float = 30.0,
-    thickness: float = 3.0,
-    border: float = 1.4,
-    eye: float = 5.0,
-) -> SurfaceMesh:
+def key_tag(*, length: float = 64.0, width: float = 30.0, thickness: float = 3.0, border: float = 1.4, eye: float = 5.0) -> SurfaceMesh:
     """A tag for a key ring with a raised border, lying flat.
 
-    Args:
-        length: Length [mm].
-        width: Width [mm].
-        thickness: Thickness of its face [mm].
-        border: Height of the border above the face [mm].
-        eye: Diameter of the eye for the ring [mm].
+    `thickness` is that of its face, `border` the height of the border above it, `eye` the diameter of the hole.
     """
     _solids.within(length=(length, 36, 110), width=(width, 18, 60), thickness=(thickness, 1.6, 8), border=(border, 0.4, 3))
     _solids.within(eye=(eye, 3, 0.3 * width))

@@ -1,4 +1,4 @@
-"""Models that hold things or surround them: pen holder, vase, pill box, planter, toothbrush holder, lampshade."""
+"""Models that hold things or surround them: pen holder, vase, pill box, planter, toothbrush holder, lampshade; measures in mm."""
 
 from __future__ import annotations
 
@@ -9,25 +9,14 @@ from manifold3d import CrossSection
 
 from mechstyle.errors import BadInput
 from mechstyle.gallery import _solids
+from mechstyle.gallery._solids import FOOT
 from mechstyle.records.mesh import Floats, SurfaceMesh
 
-FOOT = 0.8  # chamfer under a standing model [mm]: a printed first layer spreads by about as much
 
-
-def pen_holder(
-    *,
-    diameter: float = 80.0,
-    height: float = 100.0,
-    wall: float = 3.0,
-    base: float = 3.2,
-) -> SurfaceMesh:
+def pen_holder(*, diameter: float = 80.0, height: float = 100.0, wall: float = 3.0, base: float = 3.2) -> SurfaceMesh:
     """A round cup for pens with a rounded rim.
 
-    Args:
-        diameter: Outer diameter [mm].
-        height: Height [mm].
-        wall: Thickness of the wall [mm].
-        base: Thickness of the floor [mm].
+    `diameter` is the outer one; `wall` and `base` are thicknesses, here and below.
     """
     _solids.within(diameter=(diameter, 30, 200), height=(height, 30, 250), wall=(wall, 1.2, 8), base=(base, 1.2, 10))
     radius, half = diameter / 2, wall / 2
@@ -41,25 +30,13 @@ def pen_holder(
 
 
 def vase(
-    *,
-    height: float = 150.0,
-    diameter: float = 96.0,
-    wall: float = 2.4,
-    base: float = 3.0,
-    lobes: int = 9,
-    relief: float = 2.2,
+    *, height: float = 150.0, diameter: float = 96.0, wall: float = 2.4, base: float = 3.0, lobes: int = 9, relief: float = 2.2,
     twist: float = 70.0,
-) -> SurfaceMesh:
+) -> SurfaceMesh:  # fmt: skip
     """A bellied vase with a narrow neck and lobes that wind around it.
 
-    Args:
-        height: Height [mm].
-        diameter: Greatest diameter between the lobes [mm].
-        wall: Thickness of the wall [mm].
-        base: Thickness of the floor [mm].
-        lobes: Waves around the vase.
-        relief: Depth of a wave on the belly, from its middle [mm].
-        twist: How far the waves wind from foot to rim [degrees].
+    `diameter` is the greatest between the `lobes` around it, `relief` the depth of a wave from its middle, `twist` how far the waves wind
+    from foot to rim [degrees].
     """
     _solids.within(height=(height, 60, 260), diameter=(diameter, 40, 200), wall=(wall, 1.5, 6), base=(base, 1.2, 10))
     _solids.within(relief=(relief, 0, 5), twist=(twist, -180, 180))
@@ -71,7 +48,9 @@ def vase(
     # Waves start round at the foot and calm down at the lip.
     fade = _smoothstep(up / 0.2) * (1.0 - 0.6 * _smoothstep((up - 0.75) / 0.25))
     waves = fade[:, None] * np.cos(lobes * (turn + math.radians(twist) * up[:, None]))
-    outer = _belly(up)[:, None] * (diameter / 2 + relief * waves)
+    weights = (0.58, 0.80, 1.55, 1.05, 0.10, 0.45, 0.62)  # of a Bernstein polynomial: foot, belly, neck and lip, over the greatest radius
+    belly = np.asarray(sum(w * math.comb(6, k) * up**k * (1 - up) ** (6 - k) for k, w in enumerate(weights)))
+    outer = belly[:, None] * (diameter / 2 + relief * waves)
     inner = _solids.inner_radius(outer, up * height, turn, wall)
     outer[0] -= FOOT
     lip, lip_level = _solids.rim(outer[-1], inner[-1], up[-1] * height, wall / 2)
@@ -81,23 +60,11 @@ def vase(
 
 
 def pill_box(
-    *,
-    cells: int = 7,
-    width: float = 18.0,
-    length: float = 26.0,
-    depth: float = 15.0,
-    wall: float = 2.0,
-    base: float = 2.2,
+    *, cells: int = 7, width: float = 18.0, length: float = 26.0, depth: float = 15.0, wall: float = 2.0, base: float = 2.2
 ) -> SurfaceMesh:
     """A tray with a row of cells, rounded inside so that pills slide out.
 
-    Args:
-        cells: Cells in the row, one for each day of a week by default.
-        width: Inner width of a cell along the row [mm].
-        length: Inner length of a cell across the row [mm].
-        depth: Depth of a cell [mm].
-        wall: Thickness of the walls [mm].
-        base: Thickness of the floor [mm].
+    `width` along the row, `length` across it and `depth` are the inner ones of a cell.
     """
     cells = _solids.count("cells", cells, 1, 14)
     _solids.within(width=(width, 12, 60), length=(length, 12, 80), depth=(depth, 6, 60))
@@ -112,23 +79,11 @@ def pill_box(
 
 
 def planter(
-    *,
-    diameter: float = 106.0,
-    height: float = 92.0,
-    wall: float = 3.0,
-    base: float = 4.0,
-    taper: float = 12.0,
-    drain: float = 7.0,
+    *, diameter: float = 106.0, height: float = 92.0, wall: float = 3.0, base: float = 4.0, taper: float = 12.0, drain: float = 7.0
 ) -> SurfaceMesh:
     """A flower pot with a collar and drain holes.
 
-    Args:
-        diameter: Diameter of the collar [mm].
-        height: Height [mm].
-        wall: Thickness of the wall [mm].
-        base: Thickness of the floor [mm].
-        taper: How much narrower the foot is than the mouth, on each side [mm].
-        drain: Diameter of the five holes in the floor [mm].
+    `diameter` is that of the collar, `taper` how much narrower the foot is on each side, `drain` the diameter of the five holes.
     """
     _solids.within(diameter=(diameter, 50, 220), height=(height, 40, 200), wall=(wall, 2.0, 8), base=(base, 2.0, 10))
     _solids.within(taper=(taper, 0, 0.22 * diameter), drain=(drain, 3, 0.14 * (diameter - 2 * taper)))
@@ -150,21 +105,11 @@ def planter(
 
 
 def toothbrush_holder(
-    *,
-    height: float = 84.0,
-    brush: float = 21.0,
-    tube: float = 46.0,
-    wall: float = 2.4,
-    base: float = 3.0,
+    *, height: float = 84.0, brush: float = 21.0, tube: float = 46.0, wall: float = 2.4, base: float = 3.0
 ) -> SurfaceMesh:
     """Three wells for brushes grown together with a wide one for the tube.
 
-    Args:
-        height: Height [mm].
-        brush: Diameter of the well of a brush [mm].
-        tube: Inner width of the well of the tube [mm].
-        wall: Thickness of the walls [mm].
-        base: Thickness of the floor [mm].
+    `brush` is the diameter of the well of a brush, `tube` the inner width of that of the tube.
     """
     _solids.within(height=(height, 40, 140), brush=(brush, 14, 32), wall=(wall, 1.6, 5), base=(base, 1.6, 8))
     _solids.within(tube=(tube, 1.2 * brush, 2.9 * brush))
@@ -176,14 +121,6 @@ def toothbrush_holder(
     for well, x, y in wells:
         body -= _solids.pocket(well, height - base, floor=0.25 * brush, flare=0.4 * wall).translate((x, y, height))
     return _solids.standing(body)
-
-
-def _belly(up: Floats) -> Floats:
-    """Radius over greatest radius along the height (0 to 1): foot, belly, neck and lip, a Bernstein polynomial."""
-    weights = np.array([0.58, 0.80, 1.55, 1.05, 0.10, 0.45, 0.62])
-    degree = len(weights) - 1
-    terms = [w * math.comb(degree, k) * up**k * (1 - up) ** (degree - k) for k, w in enumerate(weights)]
-    return np.asarray(sum(terms))
 
 
 def _smoothstep(x: Floats) -> Floats:
@@ -198,29 +135,15 @@ FLATTEST = 1.2
 
 
 def lampshade(
-    *,
-    lower: float = 120.0,
-    upper: float = 80.0,
-    height: float = 104.0,
-    wall: float = 2.4,
-    lobes: int = 12,
-    relief: float = 2.5,
-    twist: float = 30.0,
-    socket: float = 42.0,
-) -> SurfaceMesh:
+    *, lower: float = 120.0, upper: float = 80.0, height: float = 104.0, wall: float = 2.4, lobes: int = 12, relief: float = 2.5,
+    twist: float = 30.0, socket: float = 42.0,
+) -> SurfaceMesh:  # fmt: skip
     """A fluted bell that stands on its wide end; its shoulder narrows to a collar for the lamp socket.
 
     A ring on spokes would be printed in the air, and bent between the spokes wherever it lands: a shell hands on what it is struck with.
 
-    Args:
-        lower: Diameter of the wide end [mm].
-        upper: Diameter to which the wall leans before its shoulder [mm].
-        height: Height [mm].
-        wall: Thickness of the shade [mm].
-        lobes: Flutes around it.
-        relief: Depth of a flute at the wide end, from its middle [mm].
-        twist: How far the flutes wind from bottom to top [degrees].
-        socket: Opening of the collar [mm].
+    `lower` is the diameter of the wide end, `upper` that to which the wall leans before its shoulder, `relief` the depth of one of the
+    `lobes` at the wide end, from its middle, `twist` how far they wind from bottom to top [degrees], `socket` the opening of the collar.
     """
     _solids.within(lower=(lower, 60, 240), upper=(upper, 60, 200), height=(height, 50, 220), wall=(wall, 1.5, 4))
     lobes = _solids.count("lobes", lobes, 0, 36)
@@ -233,7 +156,7 @@ def lampshade(
     level = np.linspace(0.0, height - wall / 2, 65)
     share = level[:, None] / height
     rise = np.clip((share - SHOULDER) / (COLLAR - SHOULDER), 0.0, 1.0)
-    turned_in = np.asarray(rise**2 * (3.0 - 2.0 * rise))
+    turned_in = _smoothstep(rise)
     leaning = (lower + (upper - lower) * share) / 2
     middle = leaning + (socket / 2 + wall - leaning) * turned_in
     depth = relief / (lower / 2) * (1.0 - turned_in)

@@ -1,4 +1,4 @@
-"""Models one grips: utensil grip, key turner, bottle opener, drawer knob."""
+"""Models one grips: utensil grip, key turner, bottle opener, drawer knob; measures in mm."""
 
 from __future__ import annotations
 
@@ -11,31 +11,24 @@ from mechstyle.records.mesh import SurfaceMesh
 
 
 def utensil_grip(
-    *,
-    length: float = 112.0,
-    diameter: float = 34.0,
-    waves: int = 4,
-    relief: float = 1.0,
-    slot_width: float = 15.0,
-    slot_height: float = 4.5,
-    slot_depth: float = 78.0,
-) -> SurfaceMesh:
+    *, length: float = 112.0, diameter: float = 34.0, waves: int = 4, relief: float = 1.0, slot_width: float = 15.0,
+    slot_height: float = 4.5, slot_depth: float = 78.0,
+) -> SurfaceMesh:  # fmt: skip
     """A thick handle that a spoon or fork is pushed into, for hands that cannot close; it lies on a flat.
 
-    Args:
-        length: Length [mm].
-        diameter: Greatest diameter [mm].
-        waves: Waves for the fingers along it.
-        relief: Depth of a wave, from its middle [mm].
-        slot_width: Width of the slot for the utensil [mm].
-        slot_height: Height of that slot [mm].
-        slot_depth: How far the slot reaches in [mm].
+    `diameter` is the greatest; `waves` for the fingers are `relief` deep, from their middle; `slot_depth` is how far the slot reaches in.
     """
     _solids.within(length=(length, 70, 180), diameter=(diameter, 22, 60), relief=(relief, 0, 0.08 * diameter))
     _solids.within(slot_width=(slot_width, 5, 0.55 * diameter), slot_height=(slot_height, 2, 0.3 * diameter))
     _solids.within(slot_depth=(slot_depth, 20, length - 10))
     waves = _solids.count("waves", waves, 0, 8)
-    path, radius = _profile(length, diameter / 2, waves, relief)
+    # Stations along y and radii there: round ends, a swell towards the back, waves between.
+    turn = np.linspace(0.0, math.pi, 97)
+    path, share = -0.5 * length * np.cos(turn), 0.5 * (1.0 - np.cos(turn))
+    near = np.clip((0.5 * length - np.abs(path)) / (0.32 * (diameter / 2)), 0.0, 1.0)
+    cap = 1.0 - 0.30 * (1.0 - np.sqrt(np.clip(1.0 - (1.0 - near) ** 2, 0.0, 1.0)))
+    swell = (diameter / 2 - relief) * (0.90 + 0.10 * np.sin(math.pi * share**1.4))
+    radius = (swell + relief * np.sin(math.pi * share) ** 0.5 * np.cos(2 * math.pi * waves * (share - 0.5))) * cap
     body = _solids.swept(np.column_stack([path, np.zeros_like(path)]), np.column_stack([2.0 * radius, 1.84 * radius]), power=2.2)
     body = body.trim_by_plane((0.0, 0.0, 1.0), -0.33 * diameter)  # deeper than the waves, so that the flat is one face
     mouth = _solids.box(slot_width, slot_height, 0.35 * slot_height)
@@ -44,27 +37,15 @@ def utensil_grip(
 
 
 def key_turner(
-    *,
-    length: float = 104.0,
-    width: float = 40.0,
-    thickness: float = 16.0,
-    slot_width: float = 22.0,
-    slot_height: float = 3.6,
-    slot_depth: float = 24.0,
-    pin: float = 3.4,
-) -> SurfaceMesh:
+    *, length: float = 104.0, width: float = 40.0, thickness: float = 16.0, slot_width: float = 22.0, slot_height: float = 3.6,
+    slot_depth: float = 24.0, pin: float = 3.4,
+) -> SurfaceMesh:  # fmt: skip
     """A wide handle for a key, for hands that cannot pinch; it lies flat, its slot to the right, and shows the key in a scoop.
 
     Without the scoop the cheek over the slot goes on falling in its middle where its sides have landed, and tears at the ends of the slot.
 
-    Args:
-        length: Length [mm].
-        width: Width of both ends [mm].
-        thickness: Thickness [mm].
-        slot_width: Width of the slot for the head of the key [mm].
-        slot_height: Height of that slot [mm].
-        slot_depth: How far the slot reaches in [mm].
-        pin: Diameter of the hole for the screw from below through the eye of the key [mm].
+    `width` is that of both ends, `slot_width` and `slot_height` are for the head of the key, `pin` is the hole for the screw from below
+    through its eye.
     """
     _solids.within(length=(length, 70, 160), width=(width, 26, 60), thickness=(thickness, slot_height + 4, 26))
     _solids.within(slot_width=(slot_width, 10, width - 8), slot_height=(slot_height, 2, 6), slot_depth=(slot_depth, 12, 0.4 * length))
@@ -83,23 +64,12 @@ def key_turner(
 
 
 def bottle_opener(
-    *,
-    length: float = 122.0,
-    head: float = 54.0,
-    grip: float = 26.0,
-    thickness: float = 8.0,
-    mouth: float = 31.0,
-    tooth: float = 6.0,
+    *, length: float = 122.0, head: float = 54.0, grip: float = 26.0, thickness: float = 8.0, mouth: float = 31.0, tooth: float = 6.0
 ) -> SurfaceMesh:
     """A flat opener for crown caps with a tooth in its ring; it lies flat.
 
-    Args:
-        length: Length [mm].
-        head: Diameter of the ring [mm].
-        grip: Width of the grip [mm].
-        thickness: Thickness [mm].
-        mouth: Width of the opening [mm].
-        tooth: How far the tooth reaches into the opening [mm].
+    `head` is the diameter of the ring, `grip` the width of the grip, `mouth` that of the opening, `tooth` how far the tooth reaches into
+    it.
     """
     _solids.within(length=(length, 80, 180), head=(head, 44, 80), grip=(grip, 16, 0.7 * head), thickness=(thickness, 5, 14))
     _solids.within(mouth=(mouth, 26, head - 16), tooth=(tooth, 3, 0.35 * mouth))
@@ -113,22 +83,10 @@ def bottle_opener(
     return _solids.standing(_solids.lofted(flat, _pillow(thickness, 1.4)))
 
 
-def drawer_knob(
-    *,
-    diameter: float = 34.0,
-    height: float = 28.0,
-    neck: float = 15.0,
-    foot: float = 21.0,
-    bore: float = 4.2,
-) -> SurfaceMesh:
+def drawer_knob(*, diameter: float = 34.0, height: float = 28.0, neck: float = 15.0, foot: float = 21.0, bore: float = 4.2) -> SurfaceMesh:
     """A round knob on a slender neck with a bore for its screw, standing on its foot.
 
-    Args:
-        diameter: Diameter of the head [mm].
-        height: Height [mm].
-        neck: Diameter of the neck [mm].
-        foot: Diameter of the foot [mm].
-        bore: Diameter of the bore for the screw [mm].
+    `diameter` is that of the head, and `neck`, `foot` and `bore` are diameters.
     """
     _solids.within(diameter=(diameter, 22, 60), height=(height, 18, 50), neck=(neck, 0.35 * diameter, 0.75 * diameter))
     _solids.within(foot=(foot, neck, diameter), bore=(bore, 2, neck - 6))
@@ -147,16 +105,3 @@ def _pillow(thickness: float, edge: float) -> list[_solids.Level]:
     """Levels of a slab whose upper and lower edges are rounded alike."""
     upper = [(thickness - edge + z, inset) for z, inset in _solids.round_edge(edge)]
     return [*((thickness - z, inset) for z, inset in reversed(upper)), *upper]
-
-
-def _profile(length: float, radius: float, waves: int, relief: float) -> tuple[np.ndarray, np.ndarray]:
-    """Stations along y and radii there: round ends, a swell towards the back, waves between [mm]."""
-    turn = np.linspace(0.0, math.pi, 97)
-    along = -0.5 * length * np.cos(turn)
-    share = 0.5 * (1.0 - np.cos(turn))
-    end = 0.32 * radius
-    near = np.clip((0.5 * length - np.abs(along)) / end, 0.0, 1.0)
-    cap = 1.0 - 0.30 * (1.0 - np.sqrt(np.clip(1.0 - (1.0 - near) ** 2, 0.0, 1.0)))
-    swell = (radius - relief) * (0.90 + 0.10 * np.sin(math.pi * share**1.4))
-    wave = relief * np.sin(math.pi * share) ** 0.5 * np.cos(2 * math.pi * waves * (share - 0.5))
-    return along, (swell + wave) * cap

@@ -1,4 +1,4 @@
-"""Models that hang on a wall or hold an angle: S-hook, coat hook, bag carrier, brackets, book-end."""
+"""Models that hang on a wall or hold an angle: S-hook, coat hook, bag carrier, brackets, book-end; measures in mm."""
 
 from __future__ import annotations
 
@@ -11,20 +11,10 @@ from mechstyle.gallery import _solids
 from mechstyle.records.mesh import SurfaceMesh
 
 
-def s_hook(
-    *,
-    opening: float = 26.0,
-    thickness: float = 8.0,
-    depth: float = 9.0,
-    mouth: float = 70.0,
-) -> SurfaceMesh:
+def s_hook(*, opening: float = 26.0, thickness: float = 8.0, depth: float = 9.0, mouth: float = 70.0) -> SurfaceMesh:
     """A hook in the form of an S, lying flat.
 
-    Args:
-        opening: Inner diameter of both bends [mm].
-        thickness: Thickness of the bar [mm].
-        depth: How thick it lies [mm].
-        mouth: Angle by which both bends are open [degrees].
+    `opening` is the inner diameter of both bends, `depth` how thick it lies, `mouth` the angle by which both bends are open [degrees].
     """
     _solids.within(opening=(opening, 12, 60), thickness=(thickness, 4, 16), depth=(depth, 4, 20), mouth=(mouth, 45, 110))
     bend = (opening + thickness) / 2
@@ -33,22 +23,10 @@ def s_hook(
     return _solids.standing(_solids.slab(_solids.stroke(line, thickness), depth, foot=0.8, top=0.32 * thickness))
 
 
-def coat_hook(
-    *,
-    door: float = 40.0,
-    drop: float = 96.0,
-    reach: float = 34.0,
-    width: float = 26.0,
-    thickness: float = 5.6,
-) -> SurfaceMesh:
+def coat_hook(*, door: float = 40.0, drop: float = 96.0, reach: float = 34.0, width: float = 26.0, thickness: float = 5.6) -> SurfaceMesh:
     """A coat hook that hangs over a door, lying on its side as it is printed.
 
-    Args:
-        door: Thickness of the door [mm].
-        drop: From the top of the door to the middle of the bend [mm].
-        reach: Inner width of the bend [mm].
-        width: Width [mm].
-        thickness: Thickness of the strap [mm].
+    `door` is the thickness of the door, `drop` the way from its top to the middle of the bend, `reach` the inner width of the bend.
     """
     _solids.within(door=(door, 15, 60), drop=(drop, 50, 180), reach=(reach, 18, 60), width=(width, 14, 50))
     _solids.within(thickness=(thickness, 4, 10))
@@ -60,22 +38,11 @@ def coat_hook(
     return _solids.standing(_solids.slab(strap, width, foot=0.8, top=0.28 * thickness))
 
 
-def bag_carrier(
-    *,
-    grip: float = 104.0,
-    bend: float = 22.0,
-    thickness: float = 11.0,
-    depth: float = 22.0,
-    bow: float = 7.0,
-) -> SurfaceMesh:
+def bag_carrier(*, grip: float = 104.0, bend: float = 22.0, thickness: float = 11.0, depth: float = 22.0, bow: float = 7.0) -> SurfaceMesh:
     """A grip with a hook at each end for the handles of heavy bags, lying flat.
 
-    Args:
-        grip: Length of the grip between the hooks [mm].
-        bend: Inner diameter of the hooks [mm].
-        thickness: Thickness of the bar [mm].
-        depth: How thick it lies, which is what the hand closes around [mm].
-        bow: How far the grip is bowed upwards [mm].
+    `grip` is its length between the hooks, `bend` their inner diameter, `depth` what the hand closes around, `bow` how far the grip is
+    bowed.
     """
     _solids.within(grip=(grip, 80, 150), bend=(bend, 12, 40), thickness=(thickness, 7, 18))
     _solids.within(depth=(depth, 12, 34), bow=(bow, 0, 0.12 * grip))
@@ -89,21 +56,11 @@ def bag_carrier(
 
 
 def shelf_bracket(
-    *,
-    depth: float = 120.0,
-    height: float = 96.0,
-    width: float = 24.0,
-    thickness: float = 8.0,
-    screw: float = 4.5,
+    *, depth: float = 120.0, height: float = 96.0, width: float = 24.0, thickness: float = 8.0, screw: float = 4.5
 ) -> SurfaceMesh:
     """A bracket with a curved brace for a shelf, lying on its side as it is printed: the wall left, the shelf on top.
 
-    Args:
-        depth: Reach under the shelf [mm].
-        height: Height on the wall [mm].
-        width: Width [mm].
-        thickness: Thickness of legs and brace [mm].
-        screw: Diameter of the two holes in each leg [mm].
+    `depth` is the reach under the shelf, `thickness` that of legs and brace, `screw` the diameter of the two holes in each leg.
     """
     _solids.within(depth=(depth, 70, 220), height=(height, 60, 200), width=(width, 14, 50), thickness=(thickness, 5, 14))
     _solids.within(screw=(screw, 2.5, 0.4 * width))
@@ -122,21 +79,11 @@ def shelf_bracket(
 
 
 def corner_bracket(
-    *,
-    leg: float = 58.0,
-    width: float = 42.0,
-    thickness: float = 5.0,
-    gusset: float = 4.0,
-    screw: float = 4.5,
+    *, leg: float = 58.0, width: float = 42.0, thickness: float = 5.0, gusset: float = 4.0, screw: float = 4.5
 ) -> SurfaceMesh:
     """A right angle with a gusset on both sides and countersunk holes, standing on one leg.
 
-    Args:
-        leg: Length of both legs [mm].
-        width: Width [mm].
-        thickness: Thickness of the legs [mm].
-        gusset: Thickness of the gussets [mm].
-        screw: Diameter of the two holes in each leg [mm].
+    `leg` is the length of both legs, `thickness` theirs, `gusset` that of the gussets, `screw` the diameter of the two holes in each leg.
     """
     _solids.within(leg=(leg, 36, 110), width=(width, 24, 90), thickness=(thickness, 3.5, 10), gusset=(gusset, 2.4, 0.2 * width))
     _solids.within(screw=(screw, 2.5, min(0.14 * width, 1.2 * thickness)))
@@ -155,21 +102,11 @@ def corner_bracket(
 
 
 def book_end(
-    *,
-    height: float = 132.0,
-    depth: float = 100.0,
-    width: float = 104.0,
-    thickness: float = 5.0,
-    window: float = 26.0,
+    *, height: float = 132.0, depth: float = 100.0, width: float = 104.0, thickness: float = 5.0, window: float = 26.0
 ) -> SurfaceMesh:
     """A book-end: a plate that books stand on, and one with rounded shoulders and a window that they lean against.
 
-    Args:
-        height: Height [mm].
-        depth: Depth of the plate under the books [mm].
-        width: Width [mm].
-        thickness: Thickness of both plates [mm].
-        window: Width of the window, whose ends are round [mm].
+    `depth` is that of the plate under the books, `thickness` that of both plates, `window` the width of the window, whose ends are round.
     """
     _solids.within(height=(height, 80, 200), depth=(depth, 60, 160), width=(width, 60, 160), thickness=(thickness, 3, 10))
     _solids.within(window=(window, 16, min(width - 40, 0.4 * height)))

@@ -36,15 +36,10 @@ from mechstyle.styling.vocabulary import called
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-PARTS: Mapping[str, Mapping[str, float]] = MappingProxyType(
-    {
-        "vase": {},
-        "phone_stand": {},
-        "lampshade": {"wall": 1.5},
-        "utensil_grip": {},
-        "pen_holder": {"diameter": 30.0, "height": 30.0, "wall": 1.2, "base": 1.2},
-    }
-)
+PARTS: Mapping[str, Mapping[str, float]] = MappingProxyType({
+    "vase": {}, "phone_stand": {}, "lampshade": {"wall": 1.5}, "utensil_grip": {},
+    "pen_holder": {"diameter": 30.0, "height": 30.0, "wall": 1.2, "base": 1.2},
+})  # fmt: skip
 """Models with the measures [mm] that are not their own: a curved, a prismatic, a thin, an organic and a small part."""
 CELL, LINE, MARGIN, GAP = 100, 26, 18, 28
 """Side of a picture, height of the line above a row, border of the page, way between its columns [pixels]."""
@@ -58,15 +53,10 @@ Pixels = NDArray[np.uint8]
 
 @dataclass(frozen=True, eq=False)
 class Specimen:
-    """A part to draw styles on, without any simulation.
+    """A part to draw styles on, without any simulation."""
 
-    Attributes:
-        surface: The standardised surface.
-        thickness: Local wall thickness [mm], shape [vertex_count].
-    """
-
-    surface: SurfaceMesh
-    thickness: NDArray[np.float64]
+    surface: SurfaceMesh  # the standardised surface
+    thickness: NDArray[np.float64]  # local wall thickness [mm], shape [vertex_count]
 
     @classmethod
     def of(cls, mesh: SurfaceMesh, vertices: int = STANDARD_VERTICES) -> Specimen:
@@ -76,34 +66,21 @@ class Specimen:
 
     @cached_property
     def _blank(self) -> Canvas:
-        """A canvas whose operators and chart all styles share."""
-        return Canvas(self.surface, 0)
+        return Canvas(self.surface, 0)  # whose operators and chart all styles share
 
-    def styled(self, wish: Wish, seed: int = 0, canvas: Canvas | None = None) -> tuple[SurfaceMesh, tuple[str, ...]]:
-        """The finished style on the part, freely, and what the user should know of the drawing.
-
-        Args:
-            wish: What to draw.
-            seed: Decides everything random in it.
-            canvas: What to draw on, as in `styling.drawn.target`.
-        """
-        inward, outward = INWARD_SHARE * self.thickness, outwards(self.thickness)
-        limits = {"thickness": self.thickness, "inward": inward, "outward": outward}
-        if canvas is None:
-            canvas = Dimensions().canvas(self.surface, self.thickness, wish, seed)
-            canvas.share(self._blank)
-        aim = target(self.surface, wish, Dimensions(), seed=seed, canvas=canvas, **limits)
+    def styled(self, wish: Wish) -> tuple[SurfaceMesh, tuple[str, ...]]:
+        """The finished style on the part, freely, and what the user should know of the drawing."""
+        limits = {"inward": INWARD_SHARE * self.thickness, "outward": outwards(self.thickness)}
+        canvas = Dimensions().canvas(self.surface, self.thickness, wish, 0)
+        canvas.share(self._blank)
+        aim = target(self.surface, wish, Dimensions(), seed=0, thickness=self.thickness, canvas=canvas, **limits)
         return self.surface.displaced(aim.displacement).coloured(aim.colour), aim.notes
 
 
 def contact_sheet(
-    *,
-    styles: Sequence[str] = (),
-    parts: Mapping[str, Mapping[str, float]] = PARTS,
-    vertices: int = PICTURED,
-    columns: int = 2,
+    *, styles: Sequence[str] = (), parts: Mapping[str, Mapping[str, float]] = PARTS, vertices: int = PICTURED, columns: int = 2,
     stage: Stage = no_progress,
-) -> Picture:
+) -> Picture:  # fmt: skip
     """A row for each style: on every part, coloured and in grey, which shows the relief alone.
 
     Args:
@@ -140,18 +117,22 @@ def _pair(styled: SurfaceMesh) -> Pixels:
 
 def _page(rows: Sequence[Pixels], labels: Sequence[tuple[str, str]], columns: int) -> bytes:
     """The rows below each other in columns, with name and description above each, as PNG."""
-    from mechstyle.pictures.scene import BACKGROUND  # noqa: PLC0415 — as above
-
     wide, deep = rows[0].shape[1], -(-len(rows) // columns)
     size = (deep * (CELL + LINE) + 2 * MARGIN, min(columns, len(rows)) * (wide + GAP) - GAP + 2 * MARGIN)
-    page = np.broadcast_to(np.rint(255.0 * np.array(BACKGROUND)).astype(np.uint8), (*size, 3)).copy()
-    places = []
-    for index, row in enumerate(rows):
-        column, line = divmod(index, deep)
-        left, top = MARGIN + column * (wide + GAP), MARGIN + line * (CELL + LINE)
-        page[top + LINE : top + LINE + CELL, left : left + wide] = row
-        places.append((left, top))
-    return png(lettered(page, places, labels))
+    places = [(MARGIN + index // deep * (wide + GAP), MARGIN + index % deep * (CELL + LINE)) for index in range(len(rows))]
+    return _laid_out(size, rows, places, labels, SHADES)
+
+
+def _laid_out(
+    size: tuple[int, int], pictures: Sequence[Pixels], places: Sequence[tuple[int, int]], labels: Sequence[tuple[str, str]], shades: int
+) -> bytes:
+    """Pictures on a page of a height and width, each below its label at a place (left, top), as PNG."""
+    from mechstyle.pictures.scene import BACKGROUND  # noqa: PLC0415 — as above
+
+    page: Pixels = np.broadcast_to(np.rint(255.0 * np.array(BACKGROUND)).astype(np.uint8), (*size, 3)).copy()
+    for picture, (left, top) in zip(pictures, places, strict=True):
+        page[top + LINE : top + LINE + picture.shape[0], left : left + picture.shape[1]] = picture
+    return png(lettered(page, places, labels), shades)
 
 
 def lettered(page: Pixels, places: Sequence[tuple[int, int]], labels: Sequence[tuple[str, str]]) -> Figure:
@@ -195,21 +176,17 @@ GREYS = 128
 
 def model_sheet() -> Picture:
     """A contact sheet of the models with their default measures."""
-    from mechstyle.pictures.scene import BACKGROUND, Camera, render  # noqa: PLC0415 — matplotlib is loaded when a picture is wanted
+    from mechstyle.pictures.scene import Camera, render  # noqa: PLC0415 — matplotlib is loaded when a picture is wanted
 
-    known = models()
-    size = (-(-len(known) // COLUMNS) * (SIDE + LINE) + 2 * MARGIN, COLUMNS * SIDE + 2 * MARGIN)
-    page: Pixels = np.broadcast_to(np.rint(255.0 * np.array(BACKGROUND)).astype(np.uint8), (*size, 3)).copy()
-    places, labels = [], []
-    for number, name in enumerate(known):
+    size = (-(-len(models()) // COLUMNS) * (SIDE + LINE) + 2 * MARGIN, COLUMNS * SIDE + 2 * MARGIN)
+    pictures, places, labels = [], [], []
+    for number, name in enumerate(models()):
         row, column = divmod(number, COLUMNS)
-        left, top = MARGIN + column * SIDE, MARGIN + row * (SIDE + LINE)
+        places.append((MARGIN + column * SIDE, MARGIN + row * (SIDE + LINE)))
         mesh = make(name)
-        camera = Camera.named("three_quarter", mesh.vertices)
-        page[top + LINE : top + LINE + SIDE, left : left + SIDE] = render(mesh, camera=camera, width=SIDE, height=SIDE)
-        places.append((left, top))
+        pictures.append(render(mesh, camera=Camera.named("three_quarter", mesh.vertices), width=SIDE, height=SIDE))
         labels.append((name.replace("_", " "), f"{mesh.extents.max():.0f} mm"))
-    return Picture(png(lettered(page, places, labels), GREYS))
+    return Picture(_laid_out(size, pictures, places, labels, GREYS))
 
 
 PLATE_ROWS, PLATE_COLUMNS = 80, 107
@@ -222,13 +199,9 @@ PLATE_SIZE, PLATE_HEIGHT = 2.4, 2.0
 
 @dataclass(frozen=True)
 class Styles:
-    """The offline styles, with their pictures in a notebook.
+    """The offline styles, with their pictures in a notebook."""
 
-    Attributes:
-        known: The styles by name.
-    """
-
-    known: tuple[Style, ...]
+    known: tuple[Style, ...]  # the styles by name
 
     def __iter__(self) -> Iterator[Style]:
         """The styles in order."""
@@ -256,12 +229,9 @@ def styles() -> Styles:
 def _row(style: Style) -> str:
     picture = base64.b64encode(swatch(style.name)).decode()
     words = ", ".join(word.replace("_", " ") for word in called(style.name))
-    cells = (
-        f'<img alt="{html.escape(style.name)}" width="{PLATE_COLUMNS}" height="{PLATE_ROWS}" src="data:image/png;base64,{picture}">',
-        f"<b>{html.escape(style.name)}</b>",
-        html.escape(words),
-        html.escape(style.description),
-    )
+    size = f'width="{PLATE_COLUMNS}" height="{PLATE_ROWS}"'
+    image = f'<img alt="{html.escape(style.name)}" {size} src="data:image/png;base64,{picture}">'
+    cells = (image, f"<b>{html.escape(style.name)}</b>", html.escape(words), html.escape(style.description))
     return "<tr>" + "".join(f'<td style="text-align:left">{cell}</td>' for cell in cells) + "</tr>"
 
 

@@ -1,29 +1,18 @@
-"""Models for a table, a wash-basin or a drawer: coaster, napkin ring, tealight holder, soap dish, drawer organiser."""
+"""Models for a table, a wash-basin or a drawer: coaster, napkin ring, tealight holder, soap dish, drawer organiser; measures in mm."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from mechstyle.gallery import _solids
+from mechstyle.gallery._solids import FOOT
 from mechstyle.records.mesh import SurfaceMesh
 
-FOOT = 0.8  # chamfer under a standing model [mm]: a printed first layer spreads by about as much
 
-
-def coaster(
-    *,
-    diameter: float = 96.0,
-    height: float = 6.0,
-    base: float = 3.6,
-    rim: float = 4.0,
-) -> SurfaceMesh:
+def coaster(*, diameter: float = 96.0, height: float = 6.0, base: float = 3.6, rim: float = 4.0) -> SurfaceMesh:
     """A round coaster with a raised rim.
 
-    Args:
-        diameter: Diameter [mm].
-        height: Height of the rim [mm].
-        base: Thickness under the glass [mm].
-        rim: Width of the rim [mm].
+    `height` and `rim` are height and width of the rim, `base` the thickness under the glass.
     """
     _solids.within(diameter=(diameter, 60, 160), height=(height, 3, 16), base=(base, 1.6, height - 0.8), rim=(rim, 2, 12))
     radius = diameter / 2
@@ -31,20 +20,10 @@ def coaster(
     return _solids.standing(_solids.revolved(_solids.polygon(flat), soft=min(0.4 * rim, 0.45 * height, 1.2)))
 
 
-def napkin_ring(
-    *,
-    bore: float = 40.0,
-    height: float = 30.0,
-    wall: float = 3.0,
-    belly: float = 1.6,
-) -> SurfaceMesh:
+def napkin_ring(*, bore: float = 40.0, height: float = 30.0, wall: float = 3.0, belly: float = 1.6) -> SurfaceMesh:
     """A ring with a slight belly, standing on its edge.
 
-    Args:
-        bore: Inner diameter [mm].
-        height: Height [mm].
-        wall: Thickness at both edges [mm].
-        belly: How much thicker it is in the middle [mm].
+    `bore` is the inner diameter, `wall` the thickness at both edges, `belly` how much thicker it is in the middle.
     """
     _solids.within(bore=(bore, 26, 80), height=(height, 14, 70), wall=(wall, 1.6, 8), belly=(belly, 0, 6))
     level = np.linspace(-1.0, 1.0, 33)
@@ -53,20 +32,10 @@ def napkin_ring(
     return _solids.standing(_solids.revolved(section, soft=0.3 * wall))
 
 
-def tealight_holder(
-    *,
-    diameter: float = 82.0,
-    height: float = 40.0,
-    cup: float = 41.0,
-    sink: float = 19.0,
-) -> SurfaceMesh:
+def tealight_holder(*, diameter: float = 82.0, height: float = 40.0, cup: float = 41.0, sink: float = 19.0) -> SurfaceMesh:
     """A bellied block with a recess for a tealight.
 
-    Args:
-        diameter: Greatest diameter [mm].
-        height: Height [mm].
-        cup: Diameter of the recess [mm].
-        sink: Depth of the recess [mm].
+    `diameter` is the greatest, `cup` that of the recess, `sink` its depth.
     """
     _solids.within(diameter=(diameter, 56, 140), height=(height, 20, 90), cup=(cup, 38, 0.62 * diameter), sink=(sink, 6, height - 5))
     level = np.linspace(0.0, 1.0, 41)
@@ -77,23 +46,11 @@ def tealight_holder(
 
 
 def soap_dish(
-    *,
-    length: float = 124.0,
-    width: float = 86.0,
-    height: float = 24.0,
-    wall: float = 3.0,
-    base: float = 3.4,
-    ribs: int = 5,
+    *, length: float = 124.0, width: float = 86.0, height: float = 24.0, wall: float = 3.0, base: float = 3.4, ribs: int = 5
 ) -> SurfaceMesh:
     """A rounded dish with ribs under the soap and slits for the water.
 
-    Args:
-        length: Length [mm].
-        width: Width [mm].
-        height: Height [mm].
-        wall: Thickness of the wall [mm].
-        base: Thickness of the floor [mm].
-        ribs: Ribs across the floor, with a slit between two.
+    `wall` and `base` are thicknesses; there is a slit between two of the `ribs` across the floor.
     """
     ribs = _solids.count("ribs", ribs, 2, 9)
     _solids.within(length=(length, 80, 180), width=(width, 56, 130), height=(height, 12, 50), wall=(wall, 2, 6), base=(base, 2, 8))
@@ -113,21 +70,11 @@ def soap_dish(
 
 
 def drawer_organiser(
-    *,
-    length: float = 152.0,
-    width: float = 104.0,
-    height: float = 38.0,
-    wall: float = 2.0,
-    base: float = 2.0,
+    *, length: float = 152.0, width: float = 104.0, height: float = 38.0, wall: float = 2.0, base: float = 2.0
 ) -> SurfaceMesh:
     """A tray for a drawer: a long compartment and two short ones.
 
-    Args:
-        length: Length [mm].
-        width: Width [mm].
-        height: Height [mm].
-        wall: Thickness of the walls [mm].
-        base: Thickness of the floor [mm].
+    `wall` and `base` are thicknesses.
     """
     _solids.within(length=(length, 80, 250), width=(width, 60, 200), height=(height, 15, 90), wall=(wall, 1.4, 5), base=(base, 1.4, 6))
     corner = 7.0

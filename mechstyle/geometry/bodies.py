@@ -30,17 +30,27 @@ def shell_and_rest(
     Raises:
         BadInput: If the style may go nowhere.
     """
-    of_shell = _without_chords(styled.faces, np.asarray(free[styled.faces].all(axis=1)))
+    faces, of_shell = styled.faces, np.asarray(free[styled.faces].all(axis=1))
+    # Without faces at an edge that joins two places of the border: both sides of the shell would share that edge.
+    sides = np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    edge = np.unique(sides, axis=0, return_inverse=True)[1].reshape(-1, 3)
+    while True:
+        border = _touched(faces[~of_shell], len(free))
+        twice = np.bincount(edge[of_shell].ravel(), minlength=int(edge.max()) + 1) == 2
+        chords = of_shell & (border[sides].all(axis=1).reshape(-1, 3) & twice[edge]).any(axis=1)
+        if not chords.any():
+            break
+        of_shell = of_shell & ~chords
     if not of_shell.any():
         raise BadInput("nothing of the part is styled, so it cannot be written as a styled shell and the rest: leave --bodies out")
-    within = free & ~_touched(styled.faces[~of_shell], len(free))
+    within = free & ~_touched(faces[~of_shell], len(free))
     moved = np.einsum("ij,ij->i", styled.vertices - original.vertices, original.vertex_normals)
     depth = np.maximum(np.minimum(moved, 0.0) - DEPTH, -SHARE * np.asarray(thickness, np.float64))
     cut = original.vertices + original.vertex_normals * np.minimum(depth, moved)[:, None]
     inner = np.where(within, len(free) + np.cumsum(within) - 1, np.arange(len(free)))
     vertices = np.concatenate([styled.vertices, cut[within]])
-    outside, inside = styled.faces[of_shell], inner[styled.faces[of_shell]]
-    shell, rest = np.concatenate([outside, inside[:, ::-1]]), np.concatenate([styled.faces[~of_shell], inside])
+    outside, inside = faces[of_shell], inner[faces[of_shell]]
+    shell, rest = np.concatenate([outside, inside[:, ::-1]]), np.concatenate([faces[~of_shell], inside])
     return without_unused(vertices, shell), without_unused(vertices, rest)
 
 
@@ -49,21 +59,6 @@ def _touched(faces: NDArray[np.integer], count: int) -> Bools:
     touched = np.zeros(count, dtype=bool)
     touched[faces.ravel()] = True
     return touched
-
-
-def _without_chords(faces: NDArray[np.integer], chosen: Bools) -> Bools:
-    """A choice of faces without those at an edge that joins two places of its border: both sides of the shell would share that edge."""
-    sides = np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
-    _, edge = np.unique(sides, axis=0, return_inverse=True)
-    edge = edge.reshape(-1, 3)
-    while True:
-        border = _touched(faces[~chosen], int(faces.max()) + 1)
-        within = np.bincount(edge[chosen].ravel(), minlength=int(edge.max()) + 1) == 2
-        ends = border[sides].all(axis=1).reshape(-1, 3)
-        chords = chosen & (ends & within[edge]).any(axis=1)
-        if not chords.any():
-            return chosen
-        chosen = chosen & ~chords
 
 
 def without_unused(vertices: Floats, faces: NDArray[np.integer]) -> SurfaceMesh:

@@ -26,14 +26,10 @@ class _Cancelled(Exception):
 
 @contextmanager
 def meanwhile(work: Callable[[CancelCheck], object], go_on: CancelCheck = never_cancel) -> Iterator[None]:
-    """Work in another thread during a block, whose end waits for it.
+    """Work in another thread during a block, whose end waits for it, asking `go_on`.
 
-    Its result has to be kept by the work itself, as in a cache, and whoever asks for it again learns why there is none. If the block or
-    `go_on` raises, the work is ended.
-
-    Args:
-        work: Given its own `go_on`.
-        go_on: Asked while the block is over and the work is not.
+    The work is given a check of its own. Its result has to be kept by the work itself, as in a cache, and whoever asks for it again learns
+    why there is none. If the block or `go_on` raises, the work is ended.
     """
     ended = Event()
 

@@ -32,13 +32,7 @@ HARMLESS = re.compile(r"[A-Z]+_(materials|texture|lights|mesh_quantization|xmp|a
 
 
 def check_claims(name: str, content: bytes, suffix: str) -> None:
-    """Refuse a file that claims more than it can hold or a part can have, with BadInput; what is damaged otherwise its parser will say.
-
-    Args:
-        name: What to call the file.
-        content: Its bytes.
-        suffix: Its format, one of COUNTED.
-    """
+    """Refuse a file that claims more than it can hold or a part can have, with BadInput; its parser says what else is damaged."""
     try:
         faces = COUNTED[suffix](content)
     except Beyond as error:
@@ -136,8 +130,6 @@ def too_many(pieces: int) -> None:
 
 COUNTED: Mapping[str, Callable[[bytes], int]] = {
     "stl": lambda content: (stl_length(content) - 84) // 50 if stl_length(content) else content.count(b"endfacet"),
-    "obj": lambda content: len(re.findall(rb"(?m)^[ \t]*f[ \t]", content)),
-    "ply": ply_faces,
-    "glb": glb_faces,
-}
+    "obj": lambda content: len(re.findall(rb"(?m)^[ \t]*f[ \t]", content)), "ply": ply_faces, "glb": glb_faces,
+}  # fmt: skip
 """How many faces a file claims to have, by its format."""

@@ -36,19 +36,12 @@ Palette = tuple[str, ...]
 
 @dataclass(frozen=True, eq=False)
 class Painted:
-    """A surface in the colours of filaments.
+    """A surface in the colours of filaments."""
 
-    Attributes:
-        mesh: The surface.
-        palette: The filaments' colours.
-        filament: Place in the palette of each vertex, shape [vertex_count].
-        merged: Islands that were too small to print and went to their neighbours.
-    """
-
-    mesh: SurfaceMesh
-    palette: Palette
-    filament: Indices
-    merged: int = 0
+    mesh: SurfaceMesh  # the surface
+    palette: Palette  # the filaments' colours
+    filament: Indices  # place in the palette of each vertex, shape [vertex_count]
+    merged: int = 0  # islands that were too small to print and went to their neighbours
 
     @property
     def shown(self) -> SurfaceMesh:
@@ -102,19 +95,14 @@ def clustered(colours: NDArray[np.floating], count: int = USUAL) -> Palette:
     names, label = np.unique(eight_bits.astype(np.int32) @ (1 << 16, 1 << 8, 1), return_inverse=True)  # rows are sorted ten times as slowly
     exact = np.stack([names >> 16, names >> 8 & 255, names & 255], axis=1).astype(np.uint8)
     if len(exact) > count:
-        centres, label = _means(oklab(srgb_to_linear(eight_bits / 255.0)), count)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # a cluster that ran empty is a colour less, no fault
+            centres, label = kmeans2(oklab(srgb_to_linear(eight_bits / 255.0)), count, iter=12, minit="++", seed=0, missing="warn")
         exact = np.round(linear_to_srgb(from_oklab(centres)) * 255.0).astype(np.uint8)
     codes = ["#{:02X}{:02X}{:02X}".format(*rgb) for rgb in exact]
     often = np.bincount(label.reshape(-1), minlength=len(exact))
     order = np.argsort(-often, kind="stable")
     return tuple(dict.fromkeys(codes[k] for k in order if often[k]))
-
-
-def _means(places: Floats, count: int) -> tuple[Floats, Indices]:
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # a cluster that ran empty is a colour less, no fault
-        centres, label = kmeans2(places, count, iter=12, minit="++", seed=0, missing="warn")
-    return centres, label
 
 
 def nearest(colours: NDArray[np.floating], palette: Palette) -> Indices:
@@ -127,10 +115,7 @@ def nearest(colours: NDArray[np.floating], palette: Palette) -> Indices:
 def painted(mesh: SurfaceMesh, palette: Palette, *, line: float = LINE) -> Painted:
     """A coloured surface in the colours of filaments, without islands that are nowhere two lines wide: no nozzle draws them.
 
-    Args:
-        mesh: The surface; one without colours is all of filament 1.
-        palette: The filaments.
-        line: Width of a line [mm]; 0 keeps every island.
+    `line` is the width of a line [mm]; with 0 every island stays. A surface without colours is all of filament 1.
     """
     if mesh.colours is None:
         return Painted(mesh, palette, np.zeros(len(mesh.vertices), np.int32))
@@ -146,15 +131,20 @@ def in_bands(mesh: SurfaceMesh, palette: Palette) -> Painted:
 
 def merged(whole: Painted, line: float = LINE) -> Painted:
     """The same with islands that are nowhere two lines wide given to the nearest larger one along the surface."""
-    mesh, filament = whole.mesh, whole.filament
+    mesh, filament, count = whole.mesh, whole.filament, len(whole.filament)
     (one, other), lengths = mesh.edges.T, np.linalg.norm(np.diff(mesh.vertices[mesh.edges], axis=1)[:, 0], axis=1)
     lengths = np.maximum(lengths, 1e-9)  # an edge of no length is an edge still, which a stored zero would not be
     alike = filament[one] == filament[other]
-    count = len(filament)
     inside = coo_array((lengths[alike], (one[alike], other[alike])), shape=(count, count)).tocsr()
     islands, island = connected_components(inside, directed=False)
+    # Distance of each vertex along the edges of its island from where other colours begin, half-way along an edge; infinite if nowhere.
+    border = np.full(count, np.inf)
+    np.minimum.at(border, mesh.edges[~alike].ravel(), np.repeat(0.5 * lengths[~alike], 2))
+    start, edges = np.flatnonzero(np.isfinite(border)), inside.tocoo()
+    rows, columns = np.concatenate([edges.row, start]), np.concatenate([edges.col, np.full(len(start), count)])
+    graph = coo_array((np.concatenate([edges.data, border[start]]), (rows, columns)), shape=(count + 1, count + 1)).tocsr()
     widest = np.zeros(islands)
-    np.maximum.at(widest, island, _from_border(inside, mesh.edges[~alike], lengths[~alike]))
+    np.maximum.at(widest, island, dijkstra(graph, directed=False, indices=count)[:count])
     small = widest[island] < line
     if not small.any() or small.all():
         return whole
@@ -162,24 +152,6 @@ def merged(whole: Painted, line: float = LINE) -> Painted:
     _, _, source = dijkstra(links, directed=False, indices=np.flatnonzero(~small), min_only=True, return_predecessors=True)
     taken = np.where(small & (source >= 0), filament[np.maximum(source, 0)], filament)
     return Painted(mesh, whole.palette, taken.astype(np.int32), whole.merged + int((widest < line).sum()))
-
-
-def _from_border(inside: coo_array, crossing: Indices, lengths: Floats) -> Floats:
-    """Distance of each vertex along the edges of its island from where other colours begin, half-way along an edge [mm]; inf if nowhere.
-
-    Args:
-        inside: Lengths of the edges of islands [mm], shape [vertex_count, vertex_count].
-        crossing: The edges between islands, shape [k, 2].
-        lengths: Their lengths [mm], shape [k].
-    """
-    count = inside.shape[0]
-    beside = np.full(count, np.inf)
-    np.minimum.at(beside, crossing.ravel(), np.repeat(0.5 * lengths, 2))
-    start = np.flatnonzero(np.isfinite(beside))
-    edges = inside.tocoo()
-    rows, columns = np.concatenate([edges.row, start]), np.concatenate([edges.col, np.full(len(start), count)])
-    graph = coo_array((np.concatenate([edges.data, beside[start]]), (rows, columns)), shape=(count + 1, count + 1)).tocsr()
-    return np.asarray(dijkstra(graph, directed=False, indices=count)[:count])
 
 
 LAYER = 0.2
@@ -194,19 +166,12 @@ and 0.65 changes in bands on eight parts come nearest to PrusaSlicer's."""
 
 
 class PrintCost(msgspec.Struct, frozen=True, kw_only=True):
-    """An estimate of a print.
+    """An estimate of a print."""
 
-    Attributes:
-        palette: Filaments that are used.
-        layers: How many.
-        changes: Changes of filament.
-        purged: Least and most plastic purged with them [mm³].
-    """
-
-    palette: tuple[str, ...]
-    layers: int
-    changes: int
-    purged: tuple[float, float]
+    palette: tuple[str, ...]  # filaments that are used
+    layers: int  # how many
+    changes: int  # changes of filament
+    purged: tuple[float, float]  # least and most plastic purged with them [mm³]
 
     @property
     def words(self) -> str:
@@ -220,13 +185,9 @@ class PrintCost(msgspec.Struct, frozen=True, kw_only=True):
 def print_cost(paint: Painted, layer: float = LAYER) -> PrintCost:
     """What a painted part costs to print as it stands, in layers of a height [mm]."""
     shown = colours_by_layer(paint, layer)
-    changes = changes_of(shown)
-    return PrintCost(
-        palette=tuple(colour for colour, used in zip(paint.palette, np.asarray(shown.any(axis=0)), strict=True) if used),
-        layers=len(shown),
-        changes=changes,
-        purged=(changes * PURGED[0], changes * PURGED[1]),
-    )
+    changes, used = changes_of(shown), np.flatnonzero(shown.any(axis=0))
+    purged = (changes * PURGED[0], changes * PURGED[1])
+    return PrintCost(palette=tuple(paint.palette[place] for place in used), layers=len(shown), changes=changes, purged=purged)
 
 
 def colours_by_layer(paint: Painted, layer: float = LAYER) -> Bools:
@@ -239,11 +200,8 @@ def colours_by_layer(paint: Painted, layer: float = LAYER) -> Bools:
     middles = np.minimum((np.arange(count) + 0.5) * layer, 0.5 * (top + (count - 1) * layer))
     looks = mesh.face_normals[:, 2]
     begun = np.zeros((count + 1, len(paint.palette)), dtype=np.int64)
-    for edges, beneath, over in (
-        (mesh.edges, 0, 0),
-        (_sides(mesh.faces[looks > TILT]), TOPS, 0),
-        (_sides(mesh.faces[looks < -TILT]), 0, FLOORS),
-    ):
+    up, down = (mesh.faces[tilted][:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2) for tilted in (looks > TILT, looks < -TILT))  # edges
+    for edges, beneath, over in ((mesh.edges, 0, 0), (up, TOPS, 0), (down, 0, FLOORS)):
         colour, low, high = _halves(paint, edges)
         first = np.searchsorted(middles, low, "right" if beneath else "left") - beneath
         last = np.searchsorted(middles, high, "left" if over else "right") + over - 1
@@ -261,29 +219,24 @@ def _halves(paint: Painted, edges: Indices) -> tuple[Indices, Floats, Floats]:
     return paint.filament[one], np.minimum(height[one], end), np.maximum(height[one], end)
 
 
-def _sides(faces: Indices) -> Indices:
-    """The edges of some faces, shape [3 face_count, 2]."""
-    return faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
-
-
 def changes_of(shown: Bools) -> int:
     """Changes for the colours of each layer, shape [layer_count, palette_size]: a layer begins with what the one below ended with."""
     within = int(np.maximum(shown.sum(axis=1) - 1, 0).sum())
     return within + sum(not (below & above).any() for below, above in pairwise(shown))
 
 
-def cheaper(paint: Painted, layer: float = LAYER) -> list[PrintCost]:
+def cheaper(paint: Painted) -> list[PrintCost]:
     """What the part would cost with fewer of its filaments, down to one, leaving out the one that saves most changes each time."""
     offers, now = [], paint
     while (used := np.unique(now.filament)).size > 1:
-        now = min((_without(now, int(one)) for one in used), key=lambda other: changes_of(colours_by_layer(other, layer)))
-        offers.append(print_cost(now, layer))
+        now = min((_without(now, int(one)) for one in used), key=lambda other: changes_of(colours_by_layer(other)))
+        offers.append(print_cost(now))
     return offers
 
 
-def banded(paint: Painted, layer: float = LAYER) -> PrintCost:
+def banded(paint: Painted) -> PrintCost:
     """What the part would cost with its filaments in bands one above the other."""
-    return print_cost(in_bands(paint.mesh, paint.palette), layer)
+    return print_cost(in_bands(paint.mesh, paint.palette))
 
 
 def _without(paint: Painted, left_out: int) -> Painted:

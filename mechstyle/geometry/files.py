@@ -116,18 +116,7 @@ def read(
 
 
 def bodies(path: str | Path, *, scale: float | None = None, up: str = "", unit: str = "", size: float | None = None) -> tuple[Body, ...]:
-    """List the separate bodies of a file, as `read` would choose among them.
-
-    Args:
-        path: The file.
-        scale: As in `read`.
-        up: As in `read`.
-        unit: As in `read`.
-        size: As in `read`.
-
-    Raises:
-        BadInput: If the file cannot be used.
-    """
+    """List the separate bodies of a file, as `read` would choose among them; arguments and errors as there."""
     file = Path(path)
     held, factor = _scaled(file, scale, unit, size)
     return tuple(bodies_of(_placed(held.things, factor * _axes(file, up)), file.name, []))
@@ -327,13 +316,7 @@ def _is_coloured(content: bytes, suffix: str) -> bool:
 
 
 def _check_size(name: str, vertices: Floats, factor: float) -> None:
-    """Refuse a part that is not of a printable size, guessing at its unit.
-
-    Args:
-        name: What to call the file.
-        vertices: Positions in file units, shape [n, 3].
-        factor: Millimetres of one file unit, as far as is known.
-    """
+    """Refuse positions in file units, shape [n, 3], of no printable size, guessing at their unit, of `factor` mm as far as is known."""
     length = float(np.ptp(vertices, axis=0).max())
     if (far := float(np.abs(vertices).max()) * factor) > FARTHEST and length * factor <= LARGEST:
         raise BadInput(f"{name} lies {far / 1e6:.3g} km from the origin of its coordinates: move it there in the program it was made with")
@@ -349,13 +332,7 @@ def _check_size(name: str, vertices: Floats, factor: float) -> None:
 
 
 def _check_plausible(name: str, mesh: SurfaceMesh, factor: float) -> None:
-    """Refuse a part that can be printed hardly, if another unit makes a usual one of it; who means it so says its unit.
-
-    Args:
-        name: What to call the file.
-        mesh: The part [mm], as its unit is understood.
-        factor: Millimetres of a file unit.
-    """
+    """Refuse a part [mm] that can be printed hardly, if another unit makes a usual one of it; who means it so says its unit."""
     longest, wall = float(mesh.extents.max()), float(2.0 * mesh.volume / mesh.face_areas.sum())  # exactly so of a sheet
     if longest >= SMALL and wall >= THIN:
         return

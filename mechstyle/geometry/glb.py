@@ -44,13 +44,9 @@ DULL = Sheen()
 
 
 def glb_bytes(mesh: SurfaceMesh, name: str, fields: Mapping[str, Field] = MappingProxyType({}), sheen: Sheen = DULL) -> bytes:
-    """A GLB file; the same mesh gives the same bytes.
+    """A GLB file of a part [mm], z up; the same mesh gives the same bytes.
 
-    Args:
-        mesh: The part [mm], z up.
-        name: What it is called in the scene.
-        fields: Finite values at its vertices by name, shape [vertex_count]: `stress` becomes the attribute `_STRESS`.
-        sheen: How it reflects.
+    `fields` are finite values at its vertices by name, shape [vertex_count]: `stress` becomes the attribute `_STRESS`.
     """
     buffer = _Buffer()
     positions = np.asarray(mesh.vertices @ upright("y") * METRES, np.float32)
@@ -68,14 +64,11 @@ def glb_bytes(mesh: SurfaceMesh, name: str, fields: Mapping[str, Field] = Mappin
         attributes[f"_{called.upper()}"] = buffer.accessor(values.astype(np.float32), _FLOAT, "SCALAR", _VERTICES)
     indices = buffer.accessor(mesh.faces.astype(np.uint32).ravel(), _INT, "SCALAR", _INDICES)
     document |= {
-        "scenes": [{"nodes": [0]}],
-        "nodes": [{"mesh": 0, "name": name}],
+        "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0, "name": name}],
         "meshes": [{"name": name, "primitives": [{"attributes": attributes, "indices": indices, "material": 0, "mode": 4}]}],
-        "materials": [{"name": "print", "pbrMetallicRoughness": shaded}],
-        "accessors": buffer.accessors,
-        "bufferViews": buffer.views,
+        "materials": [{"name": "print", "pbrMetallicRoughness": shaded}], "accessors": buffer.accessors, "bufferViews": buffer.views,
         "buffers": [{"byteLength": len(buffer.content)}],
-    }
+    }  # fmt: skip
     return _file(struct.pack("<4sI", b"glTF", 2), json.dumps(document, separators=(",", ":")), bytes(buffer.content))
 
 

@@ -53,27 +53,29 @@ KEPT = 4
 _known: dict[str, NDArray[np.bool_]] = {}
 
 
-def is_inside(mesh: SurfaceMesh, *, device: str = "cpu") -> NDArray[np.bool_]:
-    """Whether each vertex lies in a hollow that opens to the outside, shape [vertex_count].
+def is_inside(mesh: SurfaceMesh) -> NDArray[np.bool_]:
+    """Whether each vertex of a closed surface lies in a hollow that opens to the outside, shape [vertex_count].
 
     Inside is where a ball of a twelfth of the part's size is shut in: along none of the ways in a plane along two axes it rolls straight
     out; and what it does not reach from outside and sees less than half of the sky. So a hull is inside and the house that stands out of
     it is not, and neither is what lies under a roof. Outside is where it rolls out, and what sees nearly all of the sky. In between, by
     the random walker (Grady 2006), each vertex goes where a walk along the surface ends more probably; walks rarely cross convex edges,
-    so that the border runs along the rim.
-
-    Args:
-        mesh: A closed surface; one of the same vertices and faces as a few before is not asked again.
-        device: Warp device.
+    so that the border runs along the rim. A surface of the same vertices and faces as a few before is not asked again.
     """
     if mesh.digest in _known:
         return _known[mesh.digest]
-    sky = openness(mesh, device=device)
-    reached, shut, free = _by_ball(mesh, device)
+    sky = openness(mesh)
+    reached, shut, free = _by_ball(mesh)
     inside = (shut & (sky <= OPEN)) | (~reached & (sky < HIDDEN))
     outside = free | (sky > OPEN)
     if inside.any() and outside.any():
-        inside = _without_specks(mesh, _walked(mesh, inside, outside) > 0.5)
+        inside = _walked(mesh, inside, outside) > 0.5
+        # Pieces of less than LEAST_SHARE of the area go to the other side.
+        count, same = len(mesh.vertices), inside[mesh.edges[:, 0]] == inside[mesh.edges[:, 1]]
+        graph = sp.coo_array((np.ones(int(same.sum())), mesh.edges[same].T), shape=(count, count))
+        piece = connected_components(graph, directed=False)[1]
+        areas = np.bincount(piece, mesh.vertex_areas)
+        inside = np.asarray(inside ^ (areas < LEAST_SHARE * areas.sum())[piece])
     inside.setflags(write=False)
     while len(_known) >= KEPT:
         _known.pop(next(iter(_known)), None)
@@ -87,15 +89,7 @@ def is_container(mesh: SurfaceMesh) -> bool:
     areas = mesh.vertex_areas
     if areas[inside].sum() < CONTAINED * areas.sum():
         return False
-    openings = _openings(mesh, inside)
-    whole = np.abs(openings.sum(axis=0))
-    way, size = int(whole.argmax()), float(np.linalg.norm(whole))
-    one_side = size > ONE_SIDE * np.linalg.norm(openings, axis=1).sum()
-    return bool(one_side and whole[way] > STRAIGHT * size)
-
-
-def _openings(mesh: SurfaceMesh, inside: NDArray[np.bool_]) -> Floats:
-    """The vector area of each opening [mm²], shape [count, 3]: of the loop in which the border of the inside crosses the faces."""
+    # The vector area of each opening [mm²], shape [count, 3]: of the loop in which the border of the inside crosses the faces.
     mixed = mesh.faces[inside[mesh.faces].any(axis=1) & ~inside[mesh.faces].all(axis=1)]
     odd = np.where(inside[mixed].sum(axis=1) == 1, inside[mixed].argmax(axis=1), (~inside[mixed]).argmax(axis=1))
     one, left, right = (np.take_along_axis(mixed, ((odd + k) % 3)[:, None], axis=1)[:, 0] for k in range(3))
@@ -107,66 +101,62 @@ def _openings(mesh: SurfaceMesh, inside: NDArray[np.bool_]) -> Floats:
     count = int(edge.max()) + 1 if edge.size else 0
     loop = connected_components(sp.coo_array((np.ones(edge.shape[1]), edge), shape=(count, count)), directed=False)[1][edge[0]]
     swept = 0.5 * np.cross(start - mesh.vertices.mean(axis=0), end - mesh.vertices.mean(axis=0))
-    return np.stack([np.bincount(loop, column) for column in swept.T], axis=1)
+    openings = np.stack([np.bincount(loop, column) for column in swept.T], axis=1)
+    whole = np.abs(openings.sum(axis=0))
+    way, size = int(whole.argmax()), float(np.linalg.norm(whole))
+    one_side = size > ONE_SIDE * np.linalg.norm(openings, axis=1).sum()
+    return bool(one_side and whole[way] > STRAIGHT * size)
 
 
-def openness(mesh: SurfaceMesh, *, device: str = "cpu") -> Floats:
+def openness(mesh: SurfaceMesh) -> Floats:
     """Share of the sky each vertex sees past the part itself, as a diffuse light would shine on it, in [0, 1], shape [vertex_count]."""
-    tree = TriangleTree(mesh.vertices, mesh.faces, device)
+    tree = TriangleTree(mesh.vertices, mesh.faces)
     return escaping(tree, mesh.vertices, mesh.vertex_normals, SKIN * mesh.size, 2.0 * mesh.size)
 
 
-def in_hole(mesh: SurfaceMesh, widest: float, *, device: str = "cpu") -> NDArray[np.bool_]:
-    """Whether each vertex lies in a bore or slot that is nowhere wider than asked, shape [vertex_count].
+def in_hole(mesh: SurfaceMesh, widest: float) -> NDArray[np.bool_]:
+    """Whether each vertex of a closed surface lies in a bore or slot nowhere wider than asked [mm], shape [vertex_count].
 
     In a plane along two axes it is surrounded there, and what surrounds it is that near.
-
-    Args:
-        mesh: A closed surface.
-        widest: What a hole spans at most [mm].
-        device: Warp device.
     """
-    tree = TriangleTree(mesh.vertices, mesh.faces, device)
+    tree = TriangleTree(mesh.vertices, mesh.faces)
     angle = np.pi * (np.arange(RAYS // 2) + 0.5) / (RAYS // 2)
     half = np.column_stack([np.cos(angle), np.sin(angle), np.zeros(RAYS // 2)])
     points = tree.points(mesh.vertices + LIFT * widest * mesh.vertex_normals)
     shares = []
     for turn in range(3):
-        ways: Any = wp.array(np.roll(half, turn, axis=1).astype(np.float32), dtype=wp.vec3, device=device)
-        narrow: Any = wp.empty(len(mesh.vertices), dtype=wp.int32, device=device)
-        wp.launch(count_narrow, dim=len(mesh.vertices), inputs=[tree.id, points, ways, widest, narrow], device=device)
+        ways: Any = wp.array(np.roll(half, turn, axis=1).astype(np.float32), dtype=wp.vec3, device=tree.device)
+        narrow: Any = wp.empty(len(mesh.vertices), dtype=wp.int32, device=tree.device)
+        wp.launch(count_narrow, dim=len(mesh.vertices), inputs=[tree.id, points, ways, widest, narrow], device=tree.device)
         shares.append(narrow.numpy() / len(half))
     return np.asarray(np.max(shares, axis=0) >= ALL_IN_HOLE)
 
 
-def _by_ball(mesh: SurfaceMesh, device: str) -> tuple[Bools, Bools, Bools]:
+def _by_ball(mesh: SurfaceMesh) -> tuple[Bools, Bools, Bools]:
     """Whether a ball from outside touches each vertex, whether it is surely shut in there, and surely not, shape [vertex_count]."""
     radius = BALL * mesh.size
     step = 0.5 * radius
     low, high = mesh.vertices.min(axis=0) - 2.0 * radius, mesh.vertices.max(axis=0) + 2.0 * radius
     middles = np.stack(np.meshgrid(*(np.arange(a, b + step, step) for a, b in zip(low, high, strict=True)), indexing="ij"), axis=-1)
-    room = TriangleTree(mesh.vertices, mesh.faces, device).nearest(middles).distance.reshape(middles.shape[:3]) >= radius
+    room = TriangleTree(mesh.vertices, mesh.faces).nearest(middles).distance.reshape(middles.shape[:3]) >= radius
     piece = label(room)[0]
     from_outside = piece == piece[0, 0, 0]
     shut = np.zeros_like(room)
     for axis in range(3):
         ways = [tuple(np.insert(way, axis, 0).tolist()) for way in IN_A_PLANE]
-        shut |= _without_frames(~np.logical_or.reduce([_rolls_out(room, way) for way in ways]), room, axis, LONG * mesh.size / step)
+        in_plane = ~np.logical_or.reduce([_rolls_out(room, way) for way in ways])
+        # But for runs along the axis that are open at both ends and shorter than LONG: frames.
+        line = np.zeros((3, 3, 3), bool)
+        line[tuple(slice(None) if other == axis else 1 for other in range(3))] = True
+        run, count = label(in_plane & room, structure=line)
+        beyond = room & ~in_plane
+        ends = [np.bincount(run[np.roll(beyond, way, axis=axis) & (run > 0)], minlength=count + 1) > 0 for way in (-1, 1)]
+        frame = ends[0] & ends[1] & (np.bincount(run.ravel(), minlength=count + 1) < LONG * mesh.size / step)
+        shut |= in_plane & room & ~frame[run]
     apart, near = cKDTree(middles[from_outside]).query(mesh.vertices + radius * mesh.vertex_normals, k=4)
     here, touching = shut[from_outside][near], apart <= NEAR * step
     reached = touching[:, 0]
     return reached, reached & (here | ~touching).all(axis=1), reached & ~(here & touching).any(axis=1)
-
-
-def _without_frames(shut: Bools, room: Bools, axis: int, least: float) -> Bools:
-    """The places where a ball is shut in but for runs along an axis that are open at both ends and shorter than asked, in steps."""
-    line = np.zeros((3, 3, 3), bool)
-    line[tuple(slice(None) if other == axis else 1 for other in range(3))] = True
-    run, count = label(shut & room, structure=line)
-    beyond = room & ~shut
-    ends = [np.bincount(run[np.roll(beyond, way, axis=axis) & (run > 0)], minlength=count + 1) > 0 for way in (-1, 1)]
-    frame = ends[0] & ends[1] & (np.bincount(run.ravel(), minlength=count + 1) < least)
-    return shut & room & ~frame[run]
 
 
 def _rolls_out(room: Bools, way: tuple[int, ...]) -> Bools:
@@ -183,20 +173,13 @@ def _rolls_out(room: Bools, way: tuple[int, ...]) -> Bools:
 
 
 def escaping(tree: TriangleTree, points: Floats, normals: Floats, skin: float, reach: float) -> Floats:
-    """Share of a diffuse light at points, shape [n, 3], that gets past a surface, in [0, 1], shape [n].
+    """Share of a diffuse light at points of a surface that gets past it, in [0, 1], shape [n].
 
-    Args:
-        tree: The surface.
-        points: Positions on it [mm], shape [n, 3].
-        normals: Unit vectors to the side that is lit, shape [n, 3].
-        skin: How far off the points along these its rays begin [mm].
-        reach: How long they are [mm].
+    The points [mm] and the normals to their lit sides have shape [n, 3]; rays begin `skin` off them and are `reach` long [mm].
     """
-    towards: Any = wp.array(normals.astype(np.float32), dtype=wp.vec3, device=tree.device)
-    rays: Any = wp.array(_directions(RAYS, cosine=True).astype(np.float32), dtype=wp.vec3, device=tree.device)
+    lit, rays = (wp.array(ways.astype(np.float32), dtype=wp.vec3, device=tree.device) for ways in (normals, _directions(RAYS, cosine=True)))
     escaped: Any = wp.empty(len(points), dtype=wp.int32, device=tree.device)
-    inputs = [tree.id, tree.points(points), towards, rays, skin, reach, escaped]
-    wp.launch(count_escapes, dim=len(points), inputs=inputs, device=tree.device)
+    wp.launch(count_escapes, dim=len(points), inputs=[tree.id, tree.points(points), lit, rays, skin, reach, escaped], device=tree.device)
     return np.asarray(escaped.numpy() / RAYS, dtype=np.float64)
 
 
@@ -204,12 +187,8 @@ def _directions(count: int, *, cosine: bool) -> Floats:
     """Unit vectors with z > 0 on a Fibonacci spiral, each for the same solid angle, or as dense as their z; shape [count, 3]."""
     k = np.arange(count) + 0.5
     angle = np.pi * (3.0 - np.sqrt(5.0)) * k
-    if cosine:
-        radius = np.sqrt(k / count)
-        height = np.sqrt(1.0 - radius**2)
-    else:
-        height = k / count
-        radius = np.sqrt(1.0 - height**2)
+    height = np.sqrt(1.0 - np.sqrt(k / count) ** 2) if cosine else k / count
+    radius = np.sqrt(k / count) if cosine else np.sqrt(1.0 - height**2)
     return np.column_stack([radius * np.cos(angle), radius * np.sin(angle), height])
 
 
@@ -228,34 +207,19 @@ def _walked(mesh: SurfaceMesh, ones: NDArray[np.bool_], zeros: NDArray[np.bool_]
     return known
 
 
-def _without_specks(mesh: SurfaceMesh, inside: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """The same with pieces of less than `LEAST_SHARE` of the area given to the other side."""
-    same = inside[mesh.edges[:, 0]] == inside[mesh.edges[:, 1]]
-    count = len(mesh.vertices)
-    graph = sp.coo_array((np.ones(int(same.sum())), mesh.edges[same].T), shape=(count, count))
-    piece = connected_components(graph, directed=False)[1]
-    areas = np.bincount(piece, mesh.vertex_areas)
-    return np.asarray(inside ^ (areas < LEAST_SHARE * areas.sum())[piece])
+def sky_seen(surface: SurfaceMesh, *, directions: int = 64) -> NDArray[np.float32]:
+    """Share of the sky that each vertex of a standing part sees from above the floor, in [0, 1], shape [vertex_count].
 
-
-def sky_seen(surface: SurfaceMesh, *, directions: int = 64, device: str = "cpu") -> NDArray[np.float32]:
-    """Share of the sky that each vertex sees from above the floor, in [0, 1], shape [vertex_count].
-
-    It is the light of an even sky that falls on a vertex, over that on a horizontal face in the open. A free vertical wall has one half.
-    The floor gives no light. Vertices that rest on it see nothing, and at the rim of a resting face its share of the area counts as 0.
-
-    Args:
-        surface: A closed surface, z up, as it stands on the floor.
-        directions: Number of directions the sky is divided into.
-        device: Warp device.
+    It is the light of an even sky, divided into directions, that falls on a vertex, over that on a horizontal face in the open. A free
+    vertical wall has one half. The floor gives no light. Vertices that rest on it see nothing, and at the rim of a resting face its share
+    of the area counts as 0.
     """
     sky, count = _directions(directions, cosine=False), len(surface.vertices)
-    tree = TriangleTree(surface.vertices, surface.faces, device)
-    normals: Any = wp.array(surface.vertex_normals.astype(np.float32), dtype=wp.vec3, device=device)
-    rays: Any = wp.array(sky.astype(np.float32), dtype=wp.vec3, device=device)
-    light: Any = wp.empty(count, dtype=wp.float32, device=device)
-    inputs = [tree.id, tree.points(surface.vertices), normals, rays, 1e-4 * surface.size, 2.0 * surface.size, light]
-    wp.launch(gather_light, dim=count, inputs=inputs, device=device)
+    tree = TriangleTree(surface.vertices, surface.faces)
+    normals, rays = (wp.array(ways.astype(np.float32), dtype=wp.vec3, device=tree.device) for ways in (surface.vertex_normals, sky))
+    light: Any = wp.empty(count, dtype=wp.float32, device=tree.device)
+    inputs = [tree.id, tree.points(surface.vertices), normals, rays, SKIN * surface.size, 2.0 * surface.size, light]
+    wp.launch(gather_light, dim=count, inputs=inputs, device=tree.device)
     areas = np.where(on_floor(surface), surface.face_areas, 0.0)
     rests = np.bincount(surface.faces.ravel(), np.repeat(areas / 3.0, 3), count)
     on_the_floor = np.minimum(np.divide(rests, surface.vertex_areas, out=np.zeros(count), where=rests > 0.0), 1.0)

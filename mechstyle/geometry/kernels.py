@@ -23,16 +23,9 @@ def nearest_points(
 
 @wp.kernel
 def shrink_balls(
-    mesh: wp.uint64,
-    points: wp.array(dtype=wp.vec3),
-    normals: wp.array(dtype=wp.vec3),
-    largest: float,
-    skin: float,
-    cosine: float,
-    slack: float,
-    diameter: wp.array(dtype=wp.float32),
-    facing: wp.array(dtype=wp.float32),
-) -> None:
+    mesh: wp.uint64, points: wp.array(dtype=wp.vec3), normals: wp.array(dtype=wp.vec3), largest: float, skin: float, cosine: float,
+    slack: float, diameter: wp.array(dtype=wp.float32), facing: wp.array(dtype=wp.float32),
+) -> None:  # fmt: skip
     """Diameter of the largest inner ball touching each point, shrunk from half the ray to the opposite wall.
 
     `facing` is the cosine of the angle between both contacts seen from the centre: -1 between parallel walls, 1 if nothing was met.
@@ -68,14 +61,9 @@ def shrink_balls(
 
 @wp.kernel
 def count_escapes(
-    mesh: wp.uint64,
-    points: wp.array(dtype=wp.vec3),
-    normals: wp.array(dtype=wp.vec3),
-    rays: wp.array(dtype=wp.vec3),
-    skin: float,
-    reach: float,
-    escaped: wp.array(dtype=wp.int32),
-) -> None:
+    mesh: wp.uint64, points: wp.array(dtype=wp.vec3), normals: wp.array(dtype=wp.vec3), rays: wp.array(dtype=wp.vec3), skin: float,
+    reach: float, escaped: wp.array(dtype=wp.int32),
+) -> None:  # fmt: skip
     """Number of `rays`, given about z and turned to each normal (Duff et al. 2017), that leave without meeting the surface again."""
     i = wp.tid()
     normal = normals[i]
@@ -94,11 +82,7 @@ def count_escapes(
 
 @wp.kernel
 def count_narrow(
-    mesh: wp.uint64,
-    points: wp.array(dtype=wp.vec3),
-    directions: wp.array(dtype=wp.vec3),
-    widest: float,
-    narrow: wp.array(dtype=wp.int32),
+    mesh: wp.uint64, points: wp.array(dtype=wp.vec3), directions: wp.array(dtype=wp.vec3), widest: float, narrow: wp.array(dtype=wp.int32)
 ) -> None:
     """Number of `directions`, the same for all points, along which what is met both ways is no farther apart than `widest`."""
     i = wp.tid()
@@ -114,14 +98,9 @@ def count_narrow(
 
 @wp.kernel
 def gather_light(
-    mesh: wp.uint64,
-    points: wp.array(dtype=wp.vec3),
-    normals: wp.array(dtype=wp.vec3),
-    directions: wp.array(dtype=wp.vec3),
-    skin: float,
-    reach: float,
-    light: wp.array(dtype=wp.float32),
-) -> None:
+    mesh: wp.uint64, points: wp.array(dtype=wp.vec3), normals: wp.array(dtype=wp.vec3), directions: wp.array(dtype=wp.vec3), skin: float,
+    reach: float, light: wp.array(dtype=wp.float32),
+) -> None:  # fmt: skip
     """Sum of the cosines between each normal and those `directions`, the same for all points, that leave without meeting the surface."""
     i = wp.tid()
     normal = normals[i]
@@ -164,12 +143,9 @@ def beside(p: wp.vec3d, q: wp.vec3d, r: wp.vec3d, d: wp.vec3d, e: wp.vec3d, f: w
 
 @wp.kernel
 def count_crossings(
-    mesh: wp.uint64,
-    faces: wp.array(dtype=wp.int32),
-    points: wp.array(dtype=wp.vec3d),
-    crossed: wp.array(dtype=wp.int32),
+    mesh: wp.uint64, faces: wp.array(dtype=wp.int32), points: wp.array(dtype=wp.vec3d), crossed: wp.array(dtype=wp.int32),
     other: wp.array(dtype=wp.int32),
-) -> None:
+) -> None:  # fmt: skip
     """For each face, how many faces of higher number cross it and share no corner with it; in `other`, the highest face it crosses."""
     i = wp.tid()
     a, b, c = faces[3 * i], faces[3 * i + 1], faces[3 * i + 2]
@@ -224,34 +200,21 @@ def follower(vertex: wp.int32, face: wp.vec3i) -> wp.int32:
 
 
 @wp.func
-def doubled_area(a: wp.vec3d, b: wp.vec3d, c: wp.vec3d) -> wp.vec3d:
-    """The normal of a triangle, as long as twice its area."""
-    return wp.cross(b - a, c - a)
-
-
-@wp.func
 def keeps_its_side(
     a: wp.vec3d, b: wp.vec3d, c: wp.vec3d, to: wp.vec3d, longest: wp.float64, cosine: wp.float64
 ) -> bool:
     """Whether the triangle abc can move its corner a without turning too far or an edge at it becoming too long."""
-    was = doubled_area(a, b, c)
-    becomes = doubled_area(to, b, c)
+    was, becomes = wp.cross(b - a, c - a), wp.cross(b - to, c - to)  # normals as long as twice the areas
     short = wp.length(b - to) <= longest and wp.length(c - to) <= longest
     return short and wp.dot(was, becomes) > cosine * wp.length(was) * wp.length(becomes)
 
 
 @wp.kernel
 def sound_collapses(
-    edges: wp.array(dtype=wp.vec2i),
-    meeting: wp.array(dtype=wp.vec3d),
-    vertices: wp.array(dtype=wp.vec3d),
-    faces: wp.array(dtype=wp.vec3i),
-    first: wp.array(dtype=wp.int32),
-    around: wp.array(dtype=wp.int32),
-    longest: wp.float64,
-    cosine: wp.float64,
+    edges: wp.array(dtype=wp.vec2i), meeting: wp.array(dtype=wp.vec3d), vertices: wp.array(dtype=wp.vec3d), faces: wp.array(dtype=wp.vec3i),
+    first: wp.array(dtype=wp.int32), around: wp.array(dtype=wp.int32), longest: wp.float64, cosine: wp.float64,
     sound: wp.array(dtype=wp.bool),
-) -> None:
+) -> None:  # fmt: skip
     """Whether the ends of each edge can meet in one point: the surface stays one, no edge gets too long, no triangle turns too far."""
     i = wp.tid()
     sound[i] = neighbours_in_common(edges[i][0], edges[i][1], faces, first, around) == 2

@@ -28,28 +28,24 @@ SEEN = 0.02
 
 @dataclass(frozen=True, eq=False)
 class FlatFace:
-    """One connected flat face on the floor.
+    """One connected flat face on the floor."""
 
-    Attributes:
-        faces: Its triangles, as places in `vertices`, shape [face_count, 3].
-        areas: Their areas [mm²], shape [face_count].
-        vertices: Its vertices, shape [k].
-        resting: Share of the area around a vertex that rests, 1 within the face, less on its rim, shape [k].
-        weights: Resting area at the vertices that are wholly within it [mm²], shape [k]; at all of them if the face is a narrow strip.
-    """
-
-    faces: Indices
-    areas: Floats
-    vertices: Indices
-    resting: Floats
-    weights: Floats
+    faces: Indices  # its triangles, as places in `vertices`, shape [face_count, 3]
+    areas: Floats  # their areas [mm²], shape [face_count]
+    vertices: Indices  # its vertices, shape [k]
+    resting: Floats  # share of the area around a vertex that rests, 1 within the face, less on its rim, shape [k]
+    weights: Floats  # resting area at the vertices that are wholly within it [mm²], shape [k]; at all of them if the face is a narrow strip
 
     def shift(self, relief: Floats) -> float:
         """How far a relief [mm], shape [k], is drawn inwards: by its quantile, not at all if that lies inwards already and enough is level.
 
         Minus infinity where no shift leaves enough of the face level.
         """
-        quantiles = (_weighted_quantile(relief, self.weights, quantile) for quantile in QUANTILES)
+        # Each is the smallest value that, with all below it, holds a share of the weight; values of no weight do not count.
+        counted = self.weights > 0.0
+        order = np.argsort(relief[counted], kind="stable")
+        values, total = relief[counted][order], np.cumsum(self.weights[counted][order])
+        quantiles = (float(values[min(np.searchsorted(total, share * total[-1]), len(total) - 1)]) for share in QUANTILES)
         highest = next(quantiles)
         for shift in chain((max(highest, 0.0), highest), quantiles):
             if self.share(relief - self.resting * shift >= 0.0) >= LEAST_SHARE:
@@ -62,11 +58,7 @@ class FlatFace:
 
 
 class LevelBase:
-    """The flat faces a surface stands on, and the floor as a bound on its relief; worked out once per surface.
-
-    Args:
-        surface: The unstylized surface, z up, as it stands.
-    """
+    """The flat faces a surface, as it stands, rests on, and the floor as a bound on its relief; worked out once per surface."""
 
     def __init__(self, surface: SurfaceMesh) -> None:
         self._surface = surface
@@ -143,11 +135,3 @@ def flat_faces(surface: SurfaceMesh) -> tuple[FlatFace, ...]:
         weights = within if within.sum() > 0.5 * areas[here].sum() else rests[vertices]
         found.append(FlatFace(places.reshape(-1, 3).astype(np.int32), areas[here], vertices.astype(np.int32), share[vertices], weights))
     return tuple(found)
-
-
-def _weighted_quantile(values: Floats, weights: Floats, quantile: float) -> float:
-    """The smallest value that, with all below it, holds this share of the weight; values of no weight do not count."""
-    counted = weights > 0.0
-    order = np.argsort(values[counted], kind="stable")
-    total = np.cumsum(weights[counted][order])
-    return float(values[counted][order][min(np.searchsorted(total, quantile * total[-1]), len(total) - 1)])

@@ -23,24 +23,18 @@ WIDEN_EVERY = 8  # rounds after which the back-off takes in one more ring of tet
 
 @dataclass(frozen=True, eq=False)
 class Morphed:
-    """Tetrahedra that follow a displacement of the surface.
+    """Tetrahedra that follow a displacement of the surface."""
 
-    Attributes:
-        tets: The moved tetrahedra, same numbering as at rest.
-        displacement: What they follow [mm], shape [vertex_count], float32: the request, less what would have spoilt a tetrahedron.
-            Asked for again, it gives the same tetrahedra. Never more than the request: where they cannot come back as far as that from
-            what they were made for, they stand in for it, and `deviation` says how far off they are.
-        followed: How far their boundary has gone along the normals from where it is without relief [mm], shape [vertex_count]; flat
-            facets carry less than the displacement where they are larger than the relief.
-        backed_off: Share of the surface area whose displacement was reduced, or is stood in for.
-        deviation: Largest reduction, or distance of a stand-in [mm].
-    """
-
-    tets: TetMesh
+    tets: TetMesh  # the moved tetrahedra, same numbering as at rest
+    # what they follow [mm], shape [vertex_count], float32: the request, less what would have spoilt a tetrahedron. Asked for again, it
+    # gives the same tetrahedra. Never more than the request: where they cannot come back as far as that from what they were made for,
+    # they stand in for it, and `deviation` says how far off they are
     displacement: NDArray[np.float32]
+    # how far their boundary has gone along the normals from where it is without relief [mm], shape [vertex_count]; flat facets carry less
+    # than the displacement where they are larger than the relief
     followed: NDArray[np.float32]
-    backed_off: float
-    deviation: float
+    backed_off: float  # share of the surface area whose displacement was reduced, or is stood in for
+    deviation: float  # largest reduction, or distance of a stand-in [mm]
 
 
 class Morph:
@@ -74,7 +68,17 @@ class Morph:
         self._nearest_outer = self._outer[cKDTree(tets.vertices[self._outer]).query(tets.vertices)[1]]
         self._floor = np.minimum(LEAST_QUALITY, LEAST_SHARE * tets.quality)
         stiffness = laplacian(tets)
-        self._lifted = self._beside_the_base(made_for)
+        # How far nodes under the part lie above the surface they were made for [mm], where setting them right spoils no tetrahedron.
+        lifted = tets.vertices[self._outer, 2] - self._onto_nodes @ made_for.vertices[:, 2]
+        lifted[self._onto_nodes @ (surface.vertices[:, 2] - surface.vertices[:, 2].min()) > FLOOR_TOLERANCE] = 0.0
+        while True:
+            set_right = tets.vertices.copy()
+            set_right[self._outer, 2] -= lifted
+            spoilt = np.isin(self._outer, tets.tets[tets.moved(set_right).quality < self._floor])
+            if not lifted[spoilt].any():
+                break
+            lifted[spoilt] = 0.0
+        self._lifted = lifted
         self._coupling = stiffness[self._inner][:, self._outer]
         self._factored = splu(stiffness[self._inner][:, self._inner].tocsc()) if len(self._inner) else None
 
@@ -120,22 +124,6 @@ class Morph:
         if self._factored is not None:
             vertices[self._inner] += self._factored.solve(-(self._coupling @ outer))
         return vertices
-
-    def _beside_the_base(self, made_for: SurfaceMesh) -> Floats:
-        """How far boundary nodes under the part lie above the surface they were made for [mm], shape [boundary_node_count].
-
-        Zero for all other nodes, and where a tetrahedron would be spoilt by setting it right.
-        """
-        heights = self.surface.vertices[:, 2] - self.surface.vertices[:, 2].min()
-        lifted = self.tets.vertices[self._outer, 2] - self._onto_nodes @ made_for.vertices[:, 2]
-        lifted[self._onto_nodes @ heights > FLOOR_TOLERANCE] = 0.0
-        while True:
-            set_right = self.tets.vertices.copy()
-            set_right[self._outer, 2] -= lifted
-            spoilt = np.isin(self._outer, self.tets.tets[self.tets.moved(set_right).quality < self._floor])
-            if not lifted[spoilt].any():
-                return lifted
-            lifted[spoilt] = 0.0
 
     def _result(self, moved: TetMesh, request: NDArray[np.float32], accepted: NDArray[np.float32]) -> Morphed:
         lost = np.abs(request.astype(np.float64) - accepted)

@@ -31,23 +31,14 @@ SHOWN = 6
 
 
 class Body(NamedTuple):
-    """A body of a file, apart from its others.
+    """A body of a file, apart from its others."""
 
-    Attributes:
-        number: Its place in the file, from 1; copies of a body have that of the first.
-        name: What its file calls it, "" if it does not.
-        extents: Sides of the box around it [mm].
-        volume: Of its material [mm³].
-        copies: How many of it there are.
-        solid: Its closed surface, as a Manifold.
-    """
-
-    number: int
-    name: str
-    extents: tuple[float, float, float]
-    volume: float
-    copies: int
-    solid: Any
+    number: int  # its place in the file, from 1; copies of a body have that of the first
+    name: str  # what its file calls it, "" if it does not
+    extents: tuple[float, float, float]  # sides of the box around it [mm]
+    volume: float  # of its material [mm³]
+    copies: int  # how many of it there are
+    solid: Any  # its closed surface, as a Manifold
 
     @property
     def words(self) -> str:
@@ -70,7 +61,18 @@ def repaired(things: Sequence[Thing], name: str, body: str = "") -> tuple[Surfac
     notes: list[str] = []
     named = [thing for thing in things if body and thing.name.lower() == body.strip().lower()]
     found = bodies_of(named or things, name, notes)
-    chosen = _chosen(found, name, "" if named and len(found) == 1 else body)
+    wanted = "" if named and len(found) == 1 else body.strip().lower()
+    fitting = [one for one in found if one.name.lower() == wanted] or [one for one in found if str(one.number) == wanted]
+    listed = _listed([one.words for one in found])
+    if not wanted and len(found) > 1:
+        example = quoted_name(found[0].name) if found[0].name else found[0].number
+        way = f"a drop test needs one; choose it with --body {example}, or join them"
+        raise BadInput(f"{name} holds {len(found)} separate bodies, {listed}: {way}")
+    if len(fitting) > 1:
+        raise BadInput(f"{name} holds {len(fitting)} bodies of the name {quoted_name(body)}: choose one by its number, of {listed}")
+    if wanted and not fitting:
+        raise BadInput(f"{name} holds no body {quoted_name(body)}: it has {listed}")
+    chosen = fitting[0] if fitting else found[0]
     if chosen.copies > 1:
         notes.append(f"read one of {chosen.copies} equal copies")
     if len(found) > 1:
@@ -95,15 +97,12 @@ def bodies_of(things: Sequence[Thing], name: str, notes: list[str]) -> list[Body
     parts = _touching_united(apart)
     if (made := len(solids) - len(parts)) > 0:
         names = list(dict.fromkeys(piece.name for piece in pieces if piece.name))
-        notes.append(f"united {len(solids) if len(parts) == 1 else made + 1} overlapping bodies{_among(names)}")
+        named = f" ({_listed([quoted_name(name) for name in names])})" if len(names) > 1 else ""
+        notes.append(f"united {len(solids) if len(parts) == 1 else made + 1} overlapping bodies{named}")
     parts = _without_specks(parts, notes)
     if len(parts) == 1:
         return [_body(1, _one_name(things), parts)]
     return _numbered(parts, pieces)
-
-
-def _among(names: list[str]) -> str:
-    return f" ({_listed([quoted_name(name) for name in names])})" if len(names) > 1 else ""
 
 
 def _listed(words: Sequence[str]) -> str:
@@ -113,23 +112,6 @@ def _listed(words: Sequence[str]) -> str:
 def _one_name(things: Sequence[Thing]) -> str:
     names = {thing.name for thing in things if thing.name}
     return names.pop() if len(names) == 1 else ""
-
-
-def _chosen(found: list[Body], name: str, body: str) -> Body:
-    wanted = body.strip().lower()
-    by_name = [one for one in found if one.name.lower() == wanted]
-    fitting = by_name or [one for one in found if str(one.number) == wanted]
-    listed = _listed([one.words for one in found])
-    if not wanted and len(found) > 1:
-        example = quoted_name(found[0].name) if found[0].name else found[0].number
-        raise BadInput(
-            f"{name} holds {len(found)} separate bodies, {listed}: a drop test needs one; choose it with --body {example}, or join them"
-        )
-    if len(fitting) > 1:
-        raise BadInput(f"{name} holds {len(fitting)} bodies of the name {quoted_name(body)}: choose one by its number, of {listed}")
-    if wanted and not fitting:
-        raise BadInput(f"{name} holds no body {quoted_name(body)}: it has {listed}")
-    return fitting[0] if fitting else found[0]
 
 
 # --- solids of an object ------------------------------------------------------------------------------------------

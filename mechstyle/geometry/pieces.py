@@ -14,17 +14,11 @@ COLOURS_LEFT = "its colours are left out: a style brings its own"
 
 
 class Piece(NamedTuple):
-    """Triangles of one name.
+    """Triangles of one name."""
 
-    Attributes:
-        name: What its file calls it, "" if it does not.
-        vertices: Positions [file units], shape [n, 3].
-        faces: Vertex indices, shape [m, 3].
-    """
-
-    name: str
-    vertices: Floats
-    faces: NDArray[np.int64]
+    name: str  # what its file calls it, "" if it does not
+    vertices: Floats  # positions [file units], shape [n, 3]
+    faces: NDArray[np.int64]  # vertex indices, shape [m, 3]
 
     @property
     def corners(self) -> Floats:
@@ -38,29 +32,18 @@ class Piece(NamedTuple):
 
 
 class Thing(NamedTuple):
-    """An object of a file.
+    """An object of a file."""
 
-    Attributes:
-        name: What its file calls it, "" if it does not.
-        pieces: What it is made of; each may be open, as long as all together are closed.
-        cuts: Closed shapes whose inside is taken away from it.
-    """
-
-    name: str
-    pieces: tuple[Piece, ...]
-    cuts: tuple[Piece, ...] = ()
+    name: str  # what its file calls it, "" if it does not
+    pieces: tuple[Piece, ...]  # what it is made of; each may be open, as long as all together are closed
+    cuts: tuple[Piece, ...] = ()  # closed shapes whose inside is taken away from it
 
 
 class Aside(NamedTuple):
-    """A piece of a file that is not printed.
+    """A piece of a file that is not printed."""
 
-    Attributes:
-        role: What it is instead, in words.
-        piece: Its shape.
-    """
-
-    role: str
-    piece: Piece
+    role: str  # what it is instead, in words
+    piece: Piece  # its shape
 
     def words(self, matrix: Floats) -> str:
         """Its name, role and size, turned and scaled to mm by a matrix for columns, shape [3, 3]."""
@@ -73,19 +56,12 @@ class Aside(NamedTuple):
 
 
 class Held(NamedTuple):
-    """All that a file holds.
+    """All that a file holds."""
 
-    Attributes:
-        things: What is printed.
-        unit: The unit of its coordinates.
-        asides: What is not printed.
-        notes: What else is to be known of it, one sentence each.
-    """
-
-    things: tuple[Thing, ...]
-    unit: str
-    asides: tuple[Aside, ...] = ()
-    notes: tuple[str, ...] = ()
+    things: tuple[Thing, ...]  # what is printed
+    unit: str  # the unit of its coordinates
+    asides: tuple[Aside, ...] = ()  # what is not printed
+    notes: tuple[str, ...] = ()  # what else is to be known of it, one sentence each
 
 
 def quoted_name(name: str) -> str:

@@ -20,33 +20,19 @@ from mechstyle.records.mesh import Bools, Field, Floats, SurfaceMesh
 
 
 class Quality(msgspec.Struct, frozen=True, kw_only=True):
-    """A styled surface compared with the part it was made from.
+    """A styled surface compared with the part it was made from."""
 
-    Attributes:
-        folds: Faces that look the other way than before: there the relief folded over itself.
-        crossings: Pairs of faces that cross each other without sharing a corner.
-        crossings_before: The same of the unstylized surface.
-        thinnest: Thinnest wall, thin all over a spot as wide as two lines of plastic [mm].
-        thinnest_before: The same of the unstylized surface.
-        thin: Wall thickness that 1 % of the surface falls short of [mm].
-        thin_before: The same of the unstylized surface.
-        volume: Volume of the part [mm³].
-        volume_change: Volume gained over that of the unstylized part.
-        mass: Mass of the solid part [g].
-        mass_change: Mass gained [g].
-    """
-
-    folds: int
-    crossings: int
-    crossings_before: int
-    thinnest: float
-    thinnest_before: float
-    thin: float
-    thin_before: float
-    volume: float
-    volume_change: float
-    mass: float
-    mass_change: float
+    folds: int  # faces that look the other way than before: there the relief folded over itself
+    crossings: int  # pairs of faces that cross each other without sharing a corner
+    crossings_before: int  # the same of the unstylized surface
+    thinnest: float  # thinnest wall, thin all over a spot as wide as two lines of plastic [mm]
+    thinnest_before: float  # the same of the unstylized surface
+    thin: float  # wall thickness that 1 % of the surface falls short of [mm]
+    thin_before: float  # the same of the unstylized surface
+    volume: float  # volume of the part [mm³]
+    volume_change: float  # volume gained over that of the unstylized part
+    mass: float  # mass of the solid part [g]
+    mass_change: float  # mass gained [g]
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -63,36 +49,20 @@ class Quality(msgspec.Struct, frozen=True, kw_only=True):
         return tuple(words)
 
 
-def quality(original: SurfaceMesh, styled: SurfaceMesh, density: float, *, device: str = "cpu") -> Quality:
-    """Compare a styled surface with its original, face by face.
-
-    Args:
-        original: The unstylized surface.
-        styled: The same faces on displaced vertices.
-        density: Density of the material [g/mm³].
-        device: Warp device of the searches.
-
-    Raises:
-        BadInput: If the original encloses nothing.
-    """
+def quality(original: SurfaceMesh, styled: SurfaceMesh, density: float) -> Quality:
+    """Compare a styled surface with its original, face by face; `density` in g/mm³; BadInput if the original encloses nothing."""
     if not original.volume > 0.0:
         raise BadInput("the unstylized part encloses nothing, so nobody can print it: begin the run again with a part that is closed")
-    trees = [TriangleTree(mesh.vertices, mesh.faces, device) for mesh in (original, styled)]
+    trees = [TriangleTree(mesh.vertices, mesh.faces) for mesh in (original, styled)]
     before, after = (mesh.dilated(wall_thickness(mesh, tree)) for mesh, tree in zip((original, styled), trees, strict=True))
     one_percent = len(before) // 100
     return Quality(
-        folds=int(turned_over(original, styled).sum()),
-        crossings=crossings(styled, trees[1]).pairs,
-        crossings_before=crossings(original, trees[0]).pairs,
-        thinnest=_thinnest(styled, after),
-        thinnest_before=_thinnest(original, before),
-        thin=float(np.sort(after)[one_percent]),
-        thin_before=float(np.sort(before)[one_percent]),
-        volume=styled.volume,
-        volume_change=styled.volume / original.volume - 1.0,
-        mass=density * styled.volume,
-        mass_change=density * (styled.volume - original.volume),
-    )
+        folds=int(turned_over(original, styled).sum()), crossings=crossings(styled, trees[1]).pairs,
+        crossings_before=crossings(original, trees[0]).pairs, thinnest=_thinnest(styled, after),
+        thinnest_before=_thinnest(original, before), thin=float(np.sort(after)[one_percent]),
+        thin_before=float(np.sort(before)[one_percent]), volume=styled.volume, volume_change=styled.volume / original.volume - 1.0,
+        mass=density * styled.volume, mass_change=density * (styled.volume - original.volume),
+    )  # fmt: skip
 
 
 def _thinnest(mesh: SurfaceMesh, thickness: Floats) -> float:
@@ -131,16 +101,12 @@ SPREAD = 2
 
 
 def untangled(surface: SurfaceMesh, relief: Field, go_on: CancelCheck = never_cancel) -> Field:
-    """A relief [mm], shape [vertex_count], less what makes faces cross or turn over; as it is if none do.
+    """A relief along vertex normals [mm], shape [vertex_count], less what makes faces cross or turn over.
 
     Faces that cross in the unstylized surface stay as they are, and those left after `ROUNDS` rounds.
-
-    Args:
-        surface: The unstylized surface.
-        relief: Along its vertex normals [mm], shape [vertex_count].
-        go_on: Asked before each round; what it raises ends the work.
     """
-    share, near, crossed = np.ones(len(relief), np.float32), None, crossings(surface).other >= 0
+    near: Any = None
+    share, crossed = np.ones(len(relief), np.float32), crossings(surface).other >= 0
     for _ in range(ROUNDS):
         go_on()
         styled = surface.displaced(relief * share)
@@ -149,18 +115,14 @@ def untangled(surface: SurfaceMesh, relief: Field, go_on: CancelCheck = never_ca
         tangled[other[other >= 0]] = True
         if not tangled.any():
             break
-        near = _neighbourhood_mean(surface) if near is None else near
+        if near is None:  # takes the mean over a vertex and those next to it
+            count, ends = len(share), surface.edges
+            joined: NDArray[np.int64] = np.concatenate([ends, ends[:, ::-1], np.repeat(np.arange(count)[:, None], 2, axis=1)])
+            ones = sp.coo_array((np.ones(len(joined), np.float32), joined.T), shape=(count, count)).tocsr()
+            near = sp.diags_array(1.0 / ones.sum(axis=1)) @ ones
         taken = np.zeros(len(relief), np.float32)
         taken[surface.faces[tangled]] = TAKEN
         for _ in range(SPREAD):
             taken = np.maximum(taken, near @ taken)
         share *= 1.0 - taken
     return np.asarray(relief * share, np.float32)
-
-
-def _neighbourhood_mean(surface: SurfaceMesh) -> Any:
-    """Takes the mean over a vertex and those next to it, sparse, shape [vertex_count, vertex_count]."""
-    count, ends = len(surface.vertices), surface.edges
-    joined: NDArray[np.int64] = np.concatenate([ends, ends[:, ::-1], np.repeat(np.arange(count)[:, None], 2, axis=1)])
-    ones = sp.coo_array((np.ones(len(joined), np.float32), (joined[:, 0], joined[:, 1])), shape=(count, count)).tocsr()
-    return sp.diags_array(1.0 / ones.sum(axis=1)) @ ones

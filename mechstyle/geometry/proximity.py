@@ -14,19 +14,12 @@ from mechstyle.records.mesh import Floats
 
 
 class Nearest(NamedTuple):
-    """Nearest points on a surface.
+    """Nearest points on a surface."""
 
-    Attributes:
-        face: Face the point lies on, shape [point_count], int32.
-        weights: Barycentric weights of the face's three corners, shape [point_count, 3].
-        point: The point itself [mm], shape [point_count, 3].
-        distance: Its distance from the query [mm], shape [point_count].
-    """
-
-    face: NDArray[np.int32]
-    weights: Floats
-    point: Floats
-    distance: Floats
+    face: NDArray[np.int32]  # face the point lies on, shape [point_count], int32
+    weights: Floats  # barycentric weights of the face's three corners, shape [point_count, 3]
+    point: Floats  # the point itself [mm], shape [point_count, 3]
+    distance: Floats  # its distance from the query [mm], shape [point_count]
 
 
 class TriangleTree:

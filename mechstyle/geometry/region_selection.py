@@ -33,29 +33,18 @@ UPRIGHT = float(np.cos(np.radians(45.0)))
 
 
 class Protection(NamedTuple):
-    """Freedom of the style around protected regions.
+    """Freedom of the style around protected regions."""
 
-    Attributes:
-        freedom: Factor on the relief, 0 in the regions, growing to 1 over their ramps, shape [vertex_count], float32.
-        uncoloured: Whether a vertex keeps the part's own colour, shape [vertex_count].
-        notes: One sentence for each region: what it is and how much of the surface it holds.
-    """
-
-    freedom: NDArray[np.float32]
-    uncoloured: NDArray[np.bool_]
-    notes: tuple[str, ...]
+    freedom: NDArray[np.float32]  # factor on the relief, 0 in the regions, growing to 1 over their ramps, shape [vertex_count], float32
+    uncoloured: NDArray[np.bool_]  # whether a vertex keeps the part's own colour, shape [vertex_count]
+    notes: tuple[str, ...]  # one sentence for each region: what it is and how much of the surface it holds
 
 
 def protection(regions: Sequence[Region], surface: SurfaceMesh, thickness: ArrayLike) -> Protection:
     """Freedom left by all regions together; where several meet, the strictest counts.
 
-    Args:
-        regions: What is to be protected.
-        surface: The standardised surface.
-        thickness: Local wall thickness [mm], shape [vertex_count]; it sets segments apart.
-
-    Raises:
-        BadInput: If a region holds nothing, or if nothing is left to style.
+    The local wall thickness [mm], shape [vertex_count], sets segments apart. BadInput if a region holds nothing, or nothing is left to
+    style.
     """
     count = len(surface.vertices)
     freedom, uncoloured, notes = np.ones(count), np.zeros(count, bool), []
@@ -71,16 +60,7 @@ def protection(regions: Sequence[Region], surface: SurfaceMesh, thickness: Array
 
 
 def selected(region: Region, surface: SurfaceMesh, thickness: ArrayLike) -> NDArray[np.bool_]:
-    """Whether each vertex lies in a region, shape [vertex_count].
-
-    Args:
-        region: The region.
-        surface: The standardised surface.
-        thickness: Local wall thickness [mm], shape [vertex_count].
-
-    Raises:
-        BadInput: If it holds no vertex.
-    """
+    """Whether each vertex lies in a region, shape [vertex_count]; thickness in mm, of that shape; BadInput if none does."""
     points = surface.vertices
     chosen: NDArray[np.bool_]
     if isinstance(region, Shape | End):
@@ -130,20 +110,20 @@ def _way(surface: SurfaceMesh, start: ArrayLike, limit: float) -> Floats:
 
 
 def segments(surface: SurfaceMesh, thickness: ArrayLike) -> Indices:
-    """Smooth pieces of surface of one wall thickness, numbered from 0, shape [vertex_count].
+    """Smooth pieces of surface of one wall thickness [mm], shape [vertex_count], numbered from 0, of that shape.
 
     A border is where neighbours' normals differ by more than 25° or where the wall doubles in a step. Connected vertices away from any
     border make a segment if they are half a per cent of the area or more; all others go to the segment nearest along the surface.
-
-    Args:
-        surface: The surface.
-        thickness: Local wall thickness [mm], shape [vertex_count].
     """
     a, b = surface.edges.T
     wall = np.asarray(thickness, dtype=np.float64)
     turned = np.einsum("ij,ij->i", surface.vertex_normals[a], surface.vertex_normals[b]) < TURN
     lengths = np.linalg.norm(surface.vertices[a] - surface.vertices[b], axis=1)
-    stepped = _steps(surface.vertices, wall, surface.edges, lengths)
+    stepped = np.abs(np.diff(wall[surface.edges], axis=1)[:, 0]) > SLOPE * lengths
+    thinner, which = np.unique(surface.edges[np.arange(len(a)), wall[surface.edges].argmin(axis=1)][stepped], return_inverse=True)
+    around = cKDTree(surface.vertices).query_ball_point(surface.vertices[thinner], NEAR * wall[thinner])
+    doubled = np.array([wall[near].max() > STEP * wall[vertex] for near, vertex in zip(around, thinner, strict=True)], bool)
+    stepped[stepped] = doubled[which]
     calm = np.ones(len(wall), bool)
     calm[surface.edges[turned | stepped]] = False
     piece = connected_components(_graph(surface, (calm[a] & calm[b]).astype(np.float64)), directed=False)[1]
@@ -154,16 +134,6 @@ def segments(surface: SurfaceMesh, thickness: ArrayLike) -> Indices:
     found = dijkstra(_graph(surface, lengths), directed=False, indices=np.flatnonzero(seeds), min_only=True, return_predecessors=True)
     nearest = np.where(found[2] >= 0, found[2], np.flatnonzero(seeds)[0])
     return np.unique(piece[nearest], return_inverse=True)[1].astype(np.int32)
-
-
-def _steps(points: Floats, wall: Floats, edges: Indices, lengths: Floats) -> NDArray[np.bool_]:
-    """Whether the wall [mm] doubles in a step at each edge, shape [edge_count]."""
-    steep = np.abs(np.diff(wall[edges], axis=1)[:, 0]) > SLOPE * lengths
-    thinner, which = np.unique(edges[np.arange(len(edges)), wall[edges].argmin(axis=1)][steep], return_inverse=True)
-    around = cKDTree(points).query_ball_point(points[thinner], NEAR * wall[thinner])
-    doubled = np.array([wall[near].max() > STEP * wall[vertex] for near, vertex in zip(around, thinner, strict=True)], bool)
-    steep[steep] = doubled[which]
-    return steep
 
 
 def _graph(surface: SurfaceMesh, values: Floats) -> sp.csr_array:

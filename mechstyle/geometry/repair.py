@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import manifold3d
 import numpy as np
@@ -38,20 +38,24 @@ LEAST_TIME, FACES_A_SECOND, MOST_TIME = 15.0, 500, 120.0
 
 
 def solids_of(vertices: Floats, faces: NDArray[np.int64], name: str, notes: list[str]) -> list[Any]:
-    """Make closed solids of a triangle soup, as Manifolds; what it took is added to the notes, one sentence each.
+    """Closed solids of a triangle soup [mm], as Manifolds; a sentence on each repair is added to the notes.
 
-    A solid whose surface cuts through itself is closed and therefore left as it is.
-
-    Args:
-        vertices: Positions [mm], shape [n, 3].
-        faces: Vertex indices, shape [m, 3].
-        name: What to call the file in a refusal.
-        notes: What was done so far.
-
-    Raises:
-        BadInput: If it encloses nothing or cannot be closed.
+    A solid whose surface cuts through itself is closed and therefore left as it is. BadInput, about the file of this name, if the soup
+    encloses nothing or cannot be closed.
     """
-    surface = _welded(vertices, faces, notes)
+    # Equal positions become one vertex; faces with repeated indices go, faces without area stay: they close gaps between their neighbours.
+    # Faces back to back stay for now: bodies that share a side have them, and Manifold takes them out in pairs.
+    mesh = trimesh.Trimesh(vertices, faces, process=False)
+    mesh.remove_unreferenced_vertices()
+    before = len(mesh.vertices)
+    mesh.merge_vertices()
+    if len(mesh.vertices) < before:
+        notes.append(f"welded {counted(before - len(mesh.vertices), 'duplicate vertex', 'duplicate vertices')}")
+    welded = SurfaceMesh(mesh.vertices, mesh.faces)
+    lowest_first = (welded.faces.argmin(axis=1)[:, None] + np.arange(3)) % 3
+    surface = _without_repeats(welded, np.take_along_axis(welded.faces, lowest_first, axis=1))
+    if dropped := len(welded.faces) - len(surface.faces):
+        notes.append(f"dropped {counted(dropped, 'degenerate or repeated face', 'degenerate or repeated faces')}")
     if not len(surface.faces):
         raise BadInput(f"{name} holds no triangle with an area: export it again from the program it was made with")
     spread = np.linalg.svd(surface.vertices - surface.vertices.mean(axis=0), compute_uv=False) / np.sqrt(len(surface.vertices))
@@ -82,27 +86,6 @@ def _area(area: float) -> str:
 # --- a closed surface ---------------------------------------------------------------------------------------------
 
 
-def _welded(vertices: Floats, faces: NDArray[np.int64], notes: list[str]) -> SurfaceMesh:
-    """Equal positions made one vertex; degenerate and repeated faces dropped.
-
-    Faces with repeated indices go, faces without area stay: they close gaps between their neighbours. Faces back to back stay
-    for now: bodies that share a side have them, and Manifold takes them out in pairs.
-    """
-    mesh = trimesh.Trimesh(vertices, faces, process=False)
-    mesh.remove_unreferenced_vertices()
-    before = len(mesh.vertices)
-    mesh.merge_vertices()
-    if len(mesh.vertices) < before:
-        notes.append(f"welded {counted(before - len(mesh.vertices), 'duplicate vertex', 'duplicate vertices')}")
-    surface = SurfaceMesh(mesh.vertices, mesh.faces)
-    lowest_first = (surface.faces.argmin(axis=1)[:, None] + np.arange(3)) % 3
-    kept = _without_repeats(surface, np.take_along_axis(surface.faces, lowest_first, axis=1))
-    dropped = len(surface.faces) - len(kept.faces)
-    if dropped:
-        notes.append(f"dropped {counted(dropped, 'degenerate or repeated face', 'degenerate or repeated faces')}")
-    return kept
-
-
 def _without_repeats(surface: SurfaceMesh, key: NDArray[Any]) -> SurfaceMesh:
     """The first face of every `key`, shape [face_count, 3], that has three different vertices."""
     once = np.sort(np.unique(key, axis=0, return_index=True)[1])
@@ -118,8 +101,18 @@ def _closed(surface: SurfaceMesh, name: str, notes: list[str]) -> Any:
         if body is None:
             surface = mend(surface, name, notes)
             body = _accepted(surface)
-    if body is None:
-        body = _from_inside(surface, name, notes)
+    if body is None:  # the last resort for surfaces that do not quite meet, or meet three at an edge: what fTetWild takes for the inside
+        time = min(LEAST_TIME + len(surface.faces) / FACES_A_SECOND, MOST_TIME)
+        refused, advice = f"{name} is not a closed surface and could not be repaired", "repair it in the program it was made with"
+        try:
+            vertices, tets = tetwild(surface.vertices, surface.faces, Settings(0.03 * surface.size, 5e-4), timeout=time)
+        except SimulationFailed as error:
+            raise BadInput(f"{refused} ({error}); {advice}") from error
+        upright = np.where((TetMesh(vertices, tets).volumes < 0)[:, None], tets[:, [0, 2, 1, 3]], tets)
+        body = _accepted(without_unused(vertices, TetMesh(vertices, upright).boundary_faces))
+        if body is None:
+            raise BadInput(f"{refused}; {advice}")
+        notes.append("rebuilt its surface from the volume inside it, because its faces do not meet two at an edge")
     if body.volume() < 0:
         notes.append("turned its faces outwards")
         body = inside_out(body)
@@ -166,9 +159,8 @@ def _linked(pairs: NDArray[Any], count: int) -> NDArray[np.int32]:
 
 def _rim(surface: SurfaceMesh) -> Indices:
     """The edges with one face, directed as in that face, shape [k, 2]."""
-    directed = surface.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
-    _, edge, count = np.unique(np.sort(directed, axis=1), axis=0, return_inverse=True, return_counts=True)
-    return directed[count[edge.reshape(-1)] == 1]
+    edge, count = _edges_of(surface)
+    return surface.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)[count[edge] == 1]
 
 
 def _wound(surface: SurfaceMesh, _name: str, notes: list[str]) -> SurfaceMesh:
@@ -244,81 +236,33 @@ def _closes(surface: SurfaceMesh, patch: NDArray[np.int32], dropped: set[int], n
     return bool(np.isin(left, (0, 2)).all()) and len(dropped) <= int(patch.max())
 
 
-class _Openings(NamedTuple):
-    """Edges with one face, by the opening they surround.
-
-    Attributes:
-        rim: Directed as in their faces, shape [k, 2].
-        number: Opening of each, shape [k].
-        middles: Mean of the rim of each opening [mm], shape [count, 3].
-        areas: Length of the vector area, the area of the opening if it is plane [mm²], shape [count].
-        fan_areas: Area of the fan of triangles from the rim to the middle [mm²], shape [count].
-    """
-
-    rim: Indices
-    number: NDArray[np.int64]
-    middles: Floats
-    areas: Floats
-    fan_areas: Floats
-
-
-def _openings(surface: SurfaceMesh) -> _Openings:
-    rim = _rim(surface)
-    number = np.unique(_linked(rim, len(surface.vertices))[rim[:, 0]], return_inverse=True)[1].reshape(-1)
-    start, end = surface.vertices[rim[:, 0]], surface.vertices[rim[:, 1]]
-    middles = _sums(number, start) / np.bincount(number)[:, None]
-    spokes = 0.5 * np.cross(start - middles[number], end - middles[number])
-    areas = np.linalg.norm(_sums(number, spokes), axis=1)
-    fan_areas = np.bincount(number, np.linalg.norm(spokes, axis=1)).astype(np.float64)
-    return _Openings(rim, number, middles, areas, fan_areas)
-
-
-def _sums(group: NDArray[np.int64], rows: Floats) -> Floats:
-    """Sum of the rows of each group, shape [group_count, 3]."""
-    return np.stack([np.bincount(group, column) for column in rows.T], axis=1)
-
-
 def _plugged(surface: SurfaceMesh, name: str, notes: list[str]) -> SurfaceMesh:
     """Every small hole closed by a fan of triangles around its middle; cracks stay open."""
-    openings = _openings(surface)
-    if not len(openings.areas):
+    rim = _rim(surface)
+    if not len(rim):
         return surface
-    largest, total = openings.areas.max(), surface.face_areas.sum()
-    if largest > LARGEST_HOLE * total:
+    number = np.unique(_linked(rim, len(surface.vertices))[rim[:, 0]], return_inverse=True)[1].reshape(-1)  # of the opening of each edge
+
+    def sums(rows: Floats) -> Floats:
+        return np.stack([np.bincount(number, column) for column in rows.T], axis=1)
+
+    start, end = surface.vertices[rim[:, 0]], surface.vertices[rim[:, 1]]
+    middles = sums(start) / np.bincount(number)[:, None]
+    spokes = 0.5 * np.cross(start - middles[number], end - middles[number])
+    areas, total = np.linalg.norm(sums(spokes), axis=1), surface.face_areas.sum()  # vector areas: those of openings that are plane
+    if areas.max() > LARGEST_HOLE * total:
         raise BadInput(
-            f"{name} is open and cannot be closed: an opening of {_area(largest)} is no small hole in a surface of {_area(total)}; "
+            f"{name} is open and cannot be closed: an opening of {_area(areas.max())} is no small hole in a surface of {_area(total)}; "
             "give it a thickness or cap the opening, and export it again"
         )
-    round_ones = np.flatnonzero((openings.areas > 0) & (openings.fan_areas <= CROOKED * openings.areas))
+    fan_areas = np.bincount(number, np.linalg.norm(spokes, axis=1))
+    round_ones = np.flatnonzero((areas > 0) & (fan_areas <= CROOKED * areas))
     if not len(round_ones):
         return surface
-    fans = np.isin(openings.number, round_ones)
-    rim, middle = openings.rim[fans], len(surface.vertices) + openings.number[fans]
-    notes.append(f"closed {counted(len(round_ones), 'hole', 'holes')} of {_area(openings.areas[round_ones].sum())} in all")
-    plugs = np.stack([rim[:, 1], rim[:, 0], middle], axis=1)
-    return without_unused(np.vstack([surface.vertices, openings.middles]), np.vstack([surface.faces, plugs]))
-
-
-def _from_inside(surface: SurfaceMesh, name: str, notes: list[str]) -> Any:
-    """The boundary of what fTetWild takes for the inside: the last resort for surfaces that do not quite meet, or meet three at an edge."""
-    advice = "repair it in the program it was made with"
-    time = min(LEAST_TIME + len(surface.faces) / FACES_A_SECOND, MOST_TIME)
-    try:
-        vertices, tets = tetwild(surface.vertices, surface.faces, Settings(0.03 * surface.size, 5e-4), timeout=time)
-    except SimulationFailed as error:
-        raise BadInput(f"{name} is not a closed surface and could not be repaired ({error}); {advice}") from error
-    body = _accepted(_boundary(vertices, tets))
-    if body is None:
-        raise BadInput(f"{name} is not a closed surface and could not be repaired; {advice}")
-    notes.append("rebuilt its surface from the volume inside it, because its faces do not meet two at an edge")
-    return body
-
-
-def _boundary(vertices: Floats, tets: NDArray[np.int32]) -> SurfaceMesh:
-    """The outer surface of tetrahedra of any orientation."""
-    volumes = TetMesh(vertices, tets).volumes
-    upright = np.where((volumes < 0)[:, None], tets[:, [0, 2, 1, 3]], tets)
-    return without_unused(vertices, TetMesh(vertices, upright).boundary_faces)
+    fans = np.isin(number, round_ones)
+    notes.append(f"closed {counted(len(round_ones), 'hole', 'holes')} of {_area(areas[round_ones].sum())} in all")
+    plugs = np.stack([rim[fans][:, 1], rim[fans][:, 0], len(surface.vertices) + number[fans]], axis=1)
+    return without_unused(np.vstack([surface.vertices, middles]), np.vstack([surface.faces, plugs]))
 
 
 # --- solids -------------------------------------------------------------------------------------------------------

@@ -15,27 +15,16 @@ SMALLEST_SHARE = 0.02
 
 @dataclass(frozen=True, eq=False)
 class RestingFace:
-    """The flat underside a part stands on.
+    """The flat underside a part stands on."""
 
-    Attributes:
-        faces: Indices of its faces, shape [resting_count].
-        polygon: Corners of the support polygon seen from above, anticlockwise [mm], shape [corner_count, 2].
-        height: Where the floor is [mm].
-        area: Area of its faces [mm²].
-    """
-
-    faces: Indices
-    polygon: Floats
-    height: float
-    area: float
+    faces: Indices  # indices of its faces, shape [resting_count]
+    polygon: Floats  # corners of the support polygon seen from above, anticlockwise [mm], shape [corner_count, 2]
+    height: float  # where the floor is [mm]
+    area: float  # area of its faces [mm²]
 
 
 def resting_face(mesh: SurfaceMesh) -> RestingFace | None:
-    """The face a part stands on as placed, or None if it would roll, tip or stand on a point.
-
-    Args:
-        mesh: A closed surface, z up.
-    """
+    """The face a closed surface stands on as placed, or None if it would roll, tip or stand on a point."""
     floor = float(mesh.vertices[:, 2].min())
     faces = np.flatnonzero(on_floor(mesh)).astype(np.int32)
     support = _hull(mesh.corners[faces].reshape(-1, 3)[:, :2])
@@ -49,15 +38,9 @@ def resting_face(mesh: SurfaceMesh) -> RestingFace | None:
 
 
 def resting_weight(mesh: SurfaceMesh, *, low: float = 1.0, high: float = 5.0) -> Floats:
-    """Factor on a relief that keeps the resting face flat: 0 on it, growing to 1 with height.
+    """Factor on a relief that keeps the resting face flat, in [0, 1], shape [vertex_count]; all 1 for a part without one.
 
-    Args:
-        mesh: A closed surface, z up.
-        low: Height above the floor up to which nothing may move [mm].
-        high: Height from which everything may [mm].
-
-    Returns:
-        Factor in [0, 1], shape [vertex_count]; all 1 for a part without a resting face.
+    It is 0 up to the height `low` above the floor, and 1 from `high` on [mm].
     """
     if resting_face(mesh) is None:
         return np.ones(len(mesh.vertices))

@@ -13,13 +13,7 @@ NEARLY = 0.9
 
 
 def refined_to(mesh: SurfaceMesh, vertices: int, *, most_parts: int) -> SurfaceMesh:
-    """A closed surface with at least a number of vertices, evenly cut; fewer where edges may not be cut into so many parts.
-
-    Args:
-        mesh: The surface.
-        vertices: Vertices wanted.
-        most_parts: Parts that an edge is cut into at most.
-    """
+    """A closed surface with at least so many vertices, evenly cut; fewer where edges may not be cut into so many parts."""
     count = len(mesh.vertices)
     parts = min(max(int(np.ceil(np.sqrt(NEARLY * vertices / count))), 1), most_parts)
     # A closed surface has three edges for each vertex, but for six, of which each is cut in k - 1 places: k² (n - 2) + 2 in all.
@@ -47,7 +41,15 @@ def subdivided(mesh: SurfaceMesh, parts: int = 2) -> SurfaceMesh:
     forth = (mesh.faces < np.roll(mesh.faces, -1, axis=1))[:, :, None]
     step = np.where(forth, np.arange(parts - 1), np.arange(parts - 1)[::-1])
     along = count + _edges_of_faces(mesh.faces, edges, count)[:, :, None] * (parts - 1) + step
-    return _interpolated(mesh, matrix, _cut_faces(mesh.faces, along, inside, parts))
+    # The small faces of each face one after the other: those upright in it, then those turned over.
+    grid: dict[tuple[int, int], NDArray[np.integer]] = dict(zip([(0, 0), (parts, 0), (0, parts)], mesh.faces.T, strict=True))
+    for at in range(1, parts):
+        grid |= {(at, 0): along[:, 0, at - 1], (parts - at, at): along[:, 1, at - 1], (0, parts - at): along[:, 2, at - 1]}
+    grid |= {place: inside[:, number] for number, place in enumerate(places)}
+    upright = [((i, j), (i + 1, j), (i, j + 1)) for j in range(parts) for i in range(parts - j)]
+    turned = [((i + 1, j), (i + 1, j + 1), (i, j + 1)) for j in range(parts - 1) for i in range(parts - 1 - j)]
+    small = [np.stack([grid[corner] for corner in corners], axis=1) for corners in (*upright, *turned)]
+    return _interpolated(mesh, matrix, np.stack(small, axis=1).reshape(-1, 3))
 
 
 def halved(mesh: SurfaceMesh, count: int) -> SurfaceMesh:
@@ -90,16 +92,3 @@ def _edges_of_faces(faces: Indices, edges: NDArray[np.integer], count: int) -> N
     one, other = faces.astype(np.int64), np.roll(faces, -1, axis=1).astype(np.int64)
     names = edges[:, 0].astype(np.int64) * count + edges[:, 1]
     return np.searchsorted(names, np.minimum(one, other) * count + np.maximum(one, other))
-
-
-def _cut_faces(faces: Indices, along: NDArray[np.int64], inside: NDArray[np.int64], parts: int) -> NDArray[np.int64]:
-    """The small faces of each face one after the other, from the numbers of the vertices on its sides and inside."""
-    grid: dict[tuple[int, int], NDArray[np.integer]] = {(0, 0): faces[:, 0], (parts, 0): faces[:, 1], (0, parts): faces[:, 2]}
-    for step in range(1, parts):
-        grid |= {(step, 0): along[:, 0, step - 1], (parts - step, step): along[:, 1, step - 1], (0, parts - step): along[:, 2, step - 1]}
-    within = [(i, j) for j in range(1, parts) for i in range(1, parts - j)]
-    grid |= {place: inside[:, number] for number, place in enumerate(within)}
-    upright = [((i, j), (i + 1, j), (i, j + 1)) for j in range(parts) for i in range(parts - j)]
-    turned = [((i + 1, j), (i + 1, j + 1), (i, j + 1)) for j in range(parts - 1) for i in range(parts - 1 - j)]
-    small = [np.stack([grid[corner] for corner in corners], axis=1) for corners in (*upright, *turned)]
-    return np.stack(small, axis=1).reshape(-1, 3)

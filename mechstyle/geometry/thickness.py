@@ -23,8 +23,8 @@ FACING = 120.0
 """Least angle between the contacts of a ball in a wall, seen from its centre [degrees]; 180 between parallel sides."""
 
 
-def local_thickness(mesh: SurfaceMesh, *, separation: float = 100.0, slope: float = 1.0, device: str = "cpu") -> NDArray[np.float64]:
-    """Diameter of the largest ball inside the part that touches it at each vertex.
+def local_thickness(mesh: SurfaceMesh, *, separation: float = 100.0, slope: float = 1.0) -> NDArray[np.float64]:
+    """Diameter of the largest ball inside the part that touches it at each vertex [mm], shape [vertex_count], at most 10 % too large.
 
     The shrinking ball of Ma, Bae and Choi (2012) as used for wall thickness by Inui, Umezu and Shimane (2016), on the
     triangles themselves. It starts from half the way of a ray to the opposite wall and so never exceeds that way.
@@ -35,24 +35,16 @@ def local_thickness(mesh: SurfaceMesh, *, separation: float = 100.0, slope: floa
             ball, which vanishes at convex edges; 100 measures the wall there instead.
         slope: Most that thickness may grow per way along the surface. The narrow side of a plate looks across the whole
             plate; this ties it to the plate's thickness. Infinity leaves the balls as they are.
-        device: Warp device.
-
-    Returns:
-        Thickness [mm], shape [vertex_count]. A ball is at most 10 % too large, because shallower contacts are not searched for.
     """
-    balls, _ = _inner_balls(mesh, separation, TriangleTree(mesh.vertices, mesh.faces, device))
+    balls, _ = _inner_balls(mesh, separation, TriangleTree(mesh.vertices, mesh.faces))
     return balls if math.isinf(slope) else limited_slope(balls, mesh, slope)
 
 
 def wall_thickness(mesh: SurfaceMesh, tree: TriangleTree | None = None) -> Floats:
-    """Thickness between two sides that face each other [mm], shape [vertex_count]; the size of the part where there is no such other side.
+    """Thickness between two sides that face each other [mm], shape [vertex_count]; the size of the part where there is no other side.
 
     Beside an edge the ball that touches both of its faces shrinks with the distance from the edge. That is no wall, and the finer the
     mesh the closer its vertices come. So both contacts must lie `FACING` apart: a wedge of more than 60 degrees has no wall.
-
-    Args:
-        mesh: A closed surface.
-        tree: The tree over its faces, if there is one already.
     """
     balls, cosine = _inner_balls(mesh, FACING, tree or TriangleTree(mesh.vertices, mesh.faces))
     return np.where(cosine < math.cos(math.radians(FACING)), balls, mesh.size)

@@ -46,17 +46,11 @@ _GROUP = 100
 
 
 class Body(NamedTuple):
-    """A body of a part that is printed of one filament.
+    """A body of a part that is printed of one filament."""
 
-    Attributes:
-        name: What slicers call it.
-        mesh: Its closed surface [mm].
-        filament: Place of its filament in the palette.
-    """
-
-    name: str
-    mesh: SurfaceMesh
-    filament: int
+    name: str  # what slicers call it
+    mesh: SurfaceMesh  # its closed surface [mm]
+    filament: int  # place of its filament in the palette
 
 
 def check_slicer(slicer: str) -> None:
@@ -100,11 +94,17 @@ def bodies_bytes(
     if _strict(slicer):  # PrusaSlicer takes components apart, and knows bodies as stretches of one object's triangles
         whole = together(bodies, palette)
         thing = _object(1, called, whole.mesh, _coloured(whole.filament[whole.mesh.faces]), bodies[0].filament)
-        return _package(_model(called, palette, thing, 1, painting=False), {"Slic3r_PE_model.config": _prusa_bodies(bodies)})
-    last = len(bodies) + 1
-    things = [
-        _object(number, _plain(body.name), body.mesh, [""] * len(body.mesh.faces), body.filament) for number, body in enumerate(bodies, 1)
-    ]
+        volumes, first = "", 0
+        for body in bodies:
+            last = first + len(body.mesh.faces) - 1
+            kept = (("name", _plain(body.name)), ("extruder", body.filament + 1))
+            facts = "".join(f'<metadata type="volume" key="{key}" value="{value}"/>' for key, value in kept)
+            volumes += f'<volume firstid="{first}" lastid="{last}">{facts}</volume>'
+            first = last + 1
+        config = f'<?xml version="1.0" encoding="UTF-8"?>\n<config><object id="1" instances_count="1">{volumes}</object></config>'
+        return _package(_model(called, palette, thing, 1, painting=False), {"Slic3r_PE_model.config": config})
+    last, no_words = len(bodies) + 1, [[""] * len(body.mesh.faces) for body in bodies]
+    things = [_object(k, _plain(body.name), body.mesh, no_words[k - 1], body.filament) for k, body in enumerate(bodies, 1)]
     parts = "".join(f'<component objectid="{number}"/>' for number in range(1, last))
     things.append(f'<object id="{last}" type="model" name="{called}"><components>{parts}</components></object>')
     settings = _bambu_settings(called, palette, filament_type, last, bodies)
@@ -175,19 +175,6 @@ def _coloured(corners: Indices, key: str = "") -> list[str]:
     return [table[kind] for kind in which.tolist()]
 
 
-def _prusa_bodies(bodies: Sequence[Body]) -> str:
-    """PrusaSlicer's settings of an object of several bodies, which are stretches of all its triangles, one after the other."""
-    volumes, first = [], 0
-    for body in bodies:
-        last = first + len(body.mesh.faces) - 1
-        kept = (("name", _plain(body.name)), ("extruder", body.filament + 1))
-        facts = "".join(f'<metadata type="volume" key="{key}" value="{value}"/>' for key, value in kept)
-        volumes.append(f'<volume firstid="{first}" lastid="{last}">{facts}</volume>')
-        first = last + 1
-    inside = "".join(volumes)
-    return f'<?xml version="1.0" encoding="UTF-8"?>\n<config><object id="1" instances_count="1">{inside}</object></config>'
-
-
 def _bambu_settings(name: str, palette: Palette, filament_type: str, whole: int, bodies: Sequence[Body]) -> dict[str, str]:
     """Settings of OrcaSlicer, of which Bambu Studio reads the objects' only: filaments and, of several bodies, which has which."""
     parts = "".join(
@@ -198,12 +185,9 @@ def _bambu_settings(name: str, palette: Palette, filament_type: str, whole: int,
     facts = f'<metadata key="name" value="{name}"/><metadata key="extruder" value="1"/>'
     objects = f'<?xml version="1.0" encoding="UTF-8"?>\n<config><object id="{whole}">{facts}{parts}</object></config>'
     project = {
-        "from": "project",
-        "name": "project_settings",
-        "filament_colour": [f"{colour}FF" for colour in palette],
-        "filament_type": [filament_type] * len(palette),
-        "filament_settings_id": [f"Generic {filament_type}"] * len(palette),
-    }
+        "from": "project", "name": "project_settings", "filament_colour": [f"{colour}FF" for colour in palette],
+        "filament_type": [filament_type] * len(palette), "filament_settings_id": [f"Generic {filament_type}"] * len(palette),
+    }  # fmt: skip
     return {"model_settings.config": objects, "project_settings.config": json.dumps(project, indent=1)}
 
 
@@ -212,12 +196,9 @@ _LONG = 3
 
 
 def words(filament: Indices) -> list[str]:
-    """The word of each triangle: whole where its corners agree, cut at the middles of its sides where they do not.
+    """The word of each triangle by the filament of each corner, from 0, shape [face_count, 3], cut where these do not agree.
 
-    One corner of another colour is cut off; where all three differ each gets its own, and the middle the one that comes first.
-
-    Args:
-        filament: Filament of each corner, counted from 0, shape [face_count, 3].
+    One corner of another colour is cut off at the middles of its sides; where all three differ each gets its own, the middle the first one.
     """
     kinds, which = distinct(filament)
     table = [_word(*(int(corner) + 1 for corner in kind)) for kind in kinds]
@@ -225,14 +206,7 @@ def words(filament: Indices) -> list[str]:
 
 
 def distinct(filament: Indices) -> tuple[Indices, Indices]:
-    """The triples that occur, in order, and which of them each triangle is: as `np.unique` has it, but counted instead of sorted.
-
-    Args:
-        filament: Filament of each corner, counted from 0, shape [face_count, 3].
-
-    Returns:
-        The triples, shape [kind_count, 3], and places in them, shape [face_count].
-    """
+    """The triples that occur, shape [kind_count, 3], and places in them, shape [face_count]: as `np.unique`, but counted."""
     base = int(filament.max(initial=0)) + 1
     name = np.ravel_multi_index(tuple(filament.T), (base, base, base))
     occurs = np.bincount(name, minlength=base**3) > 0

@@ -52,10 +52,8 @@ SHAPES = {
 
 
 class _Key(NamedTuple):
-    """An object, by its model part and its identifier there."""
-
-    part: str
-    number: str
+    part: str  # the model part of an object …
+    number: str  # … and its identifier there
 
 
 class _Placement(NamedTuple):
@@ -148,23 +146,24 @@ class _Package:
     def read(self, name: str, file: Any) -> None:
         """Read an entry of the package: a model part, settings of a slicer, or where the package begins."""
         self._part, self._object = name, None
-        handle = self._of_model if name.endswith(".model") else self._of_relations if name.endswith(".rels") else self.said.element
+        handle = self._of_model if name.endswith(".model") else self.said.element
+
+        def of_relations(kind: str, attributes: dict[str, str]) -> None:
+            if kind == "Relationship" and attributes.get("Type", "").endswith("/3dmodel"):
+                self.start = self.start or _path(attributes.get("Target", ""))
 
         def element(tag: str, attributes: dict[str, str]) -> None:
             self._marks += 1 + len(attributes)
             if self._marks > MOST_MARKS:
                 raise Beyond(f"holds more than {MOST_MARKS / 1e6:.0f} million elements: simplify it in the program it was made with")
-            handle(tag.rpartition(" ")[2], attributes)
+            (of_relations if name.endswith(".rels") else handle)(tag.rpartition(" ")[2], attributes)
 
-        parser = expat.ParserCreate(namespace_separator=" ")
-        parser.StartElementHandler = element
-        self._parser = parser
-        parser.StartDoctypeDeclHandler = _doctype
+        def doctype(*_: object) -> None:
+            raise Beyond("declares a document type, which no 3MF file may: it is something else, or was made to do harm; export it again")
+
+        parser = self._parser = expat.ParserCreate(namespace_separator=" ")
+        parser.StartElementHandler, parser.StartDoctypeDeclHandler = element, doctype
         parser.ParseFile(file)
-
-    def _of_relations(self, kind: str, attributes: dict[str, str]) -> None:
-        if kind == "Relationship" and attributes.get("Type", "").endswith("/3dmodel"):
-            self.start = self.start or _path(attributes.get("Target", ""))
 
     def _of_model(self, kind: str, attributes: dict[str, str]) -> None:
         if kind == "object":
@@ -229,10 +228,6 @@ def _path(target: str) -> str:
     return posixpath.normpath("/" + target.strip().lstrip("/")).lower()
 
 
-def _doctype(*_: object) -> None:
-    raise Beyond("declares a document type, which no 3MF file may: it is something else, or was made to do harm; export it again")
-
-
 def read_threemf(content: bytes) -> Held:
     """All that a 3MF package builds, with what slicers say of it.
 
@@ -249,28 +244,23 @@ def read_threemf(content: bytes) -> Held:
         if any(entry.filename.lower().endswith("/keystore.xml") for entry in entries):  # of the Secure Content extension
             raise Beyond(ENCRYPTED_WORDS)
         for entry in entries:
-            _check_packing(archive, entry)
+            if entry.flag_bits & ENCRYPTED:
+                raise Beyond(ENCRYPTED_WORDS)
+            if entry.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):  # of others no piece has a bound
+                raise Beyond("is packed in a way that 3MF does not know: export it again")
+            # Who reads an entry unpacks all of it: it must be of the size that the package says.
+            unbelieved, size = copy.copy(entry), 0
+            unbelieved.file_size, unbelieved.CRC = claims.MOST_BYTES + 1, None  # type: ignore[assignment]
+            with archive.open(unbelieved) as file:
+                while size <= entry.file_size and (piece := file.read(PIECE)):
+                    size += len(piece)
+            if size != entry.file_size:
+                raise Beyond("unpacks to another size than it says: it is damaged or was made to do harm; export it again")
             name = _path(entry.filename)
             if name.endswith((".model", "_model.config", "/model_settings.config")) or name == "/_rels/.rels":
                 with archive.open(entry) as file:
                     package.read(name, file)
     return _built(package)
-
-
-def _check_packing(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> None:
-    """Refuse an entry that does not unpack to the size that the package says: who reads it unpacks all of it."""
-    if entry.flag_bits & ENCRYPTED:
-        raise Beyond(ENCRYPTED_WORDS)
-    if entry.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):  # of others no piece has a bound
-        raise Beyond("is packed in a way that 3MF does not know: export it again")
-    unbelieved = copy.copy(entry)
-    unbelieved.file_size, unbelieved.CRC = claims.MOST_BYTES + 1, None  # type: ignore[assignment]
-    size = 0
-    with archive.open(unbelieved) as file:
-        while size <= entry.file_size and (piece := file.read(PIECE)):
-            size += len(piece)
-    if size != entry.file_size:
-        raise Beyond("unpacks to another size than it says: it is damaged or was made to do harm; export it again")
 
 
 class _Leaf(NamedTuple):
@@ -345,11 +335,9 @@ def _why_empty(package: _Package, start: str, asides: list[Aside]) -> str:
 class _Count:
     """How much was built so far."""
 
-    def __init__(self) -> None:
-        self.pieces = self.faces = 0
+    pieces = faces = 0
 
     def add(self, faces: int) -> None:
-        """Count a piece and its faces."""
         self.pieces, self.faces = self.pieces + 1, self.faces + faces
         too_many(self.pieces)
         if self.faces > claims.MOST_FACES:
@@ -380,20 +368,12 @@ def _leaves(
     for index, use in enumerate(body.components):
         below = _of(package, use.key)
         its_name, its_role = _role_of(parts, index, numbers)
-        if not (parts and _is_listed(parts, index, numbers)):
+        listed = [part.number for part in parts]
+        if listed != numbers and numbers[index] not in listed:
             its_role = ROLES.get(below.kind, MATERIAL)
-        there = place @ use.place @ _in_unit_of(package, key.part, use.key.part)
+        here, other = (MILLIMETRES.get(package.units[part]) for part in (key.part, use.key.part))  # model parts may be of different units
+        there = place @ use.place @ (np.diag([other / here] * 3 + [1.0]) if here and other else np.eye(4))
         yield from _leaves(package, use.key, there, count, name or its_name, role or its_role, owner, (*above, key))
-
-
-def _in_unit_of(package: _Package, part: str, other: str) -> Floats:
-    """From the numbers of another model part to those of a part, shape [4, 4]; they may be of different units."""
-    here, there = (MILLIMETRES.get(package.units[one]) for one in (part, other))
-    return np.diag([there / here] * 3 + [1.0]) if here and there else np.eye(4)
-
-
-def _is_listed(parts: list[_Volume], place: int, numbers: list[str]) -> bool:
-    return [part.number for part in parts] == numbers or any(part.number == numbers[place] for part in parts)
 
 
 def _role_of(parts: list[_Volume], place: int, numbers: list[str]) -> tuple[str, str]:

@@ -18,12 +18,7 @@ RADIUS = 1.0
 
 
 class SurfaceMean:
-    """Area-weighted mean over a disc along one side of a surface, as a sparse operator.
-
-    Args:
-        surface: The surface; vertices whose normals point away from each other lie on other sides.
-        radius: Radius of the disc [mm].
-    """
+    """Area-weighted mean over a disc of a radius [mm] along one side of a surface, whose normals point one way, as a sparse operator."""
 
     def __init__(self, surface: SurfaceMesh, radius: float = RADIUS) -> None:
         pairs = cKDTree(surface.vertices).query_pairs(radius, output_type="ndarray")
@@ -45,16 +40,7 @@ class Transfer:
 
     `barycentric` interpolates linearly on the boundary face nearest to each surface vertex. `nearest` is the published
     variant (Faruqi et al. 2025): both are scaled to the unit box, axis by axis, and the value of the nearest boundary
-    vertex is taken; on smooth fields it is about ten times less exact.
-
-    Args:
-        surface: Where values are wanted, n vertices.
-        tets: Where they are known, k vertices.
-        method: `barycentric` or `nearest`.
-        device: Warp device of the search.
-
-    Raises:
-        BadInput: If the method is neither.
+    vertex is taken; on smooth fields it is about ten times less exact. BadInput for any other method.
     """
 
     def __init__(self, surface: SurfaceMesh, tets: TetMesh, method: str = "barycentric", *, device: str = "cpu") -> None:
@@ -69,11 +55,7 @@ class Transfer:
             self._matrix = sp.csr_array((np.ones(count), outer[nearest], np.arange(count + 1)), shape=(count, len(tets.vertices)))
 
     def to_surface(self, values: ArrayLike) -> Floats:
-        """Values at the surface vertices, shape [n], from values at the tetrahedra's vertices, shape [k].
-
-        Raises:
-            BadInput: If there is not one value per vertex of the tetrahedra.
-        """
+        """Values at the surface vertices from one for each vertex of the tetrahedra; BadInput if there are not as many."""
         known = np.asarray(values, dtype=np.float64)
         if known.shape != self._matrix.shape[1:]:
             raise BadInput(f"{known.shape} values cannot go to the surface: there must be one for each of {self._matrix.shape[1]} vertices")

@@ -17,11 +17,7 @@ _BASE = 0.2  # share of its footprint that a flat face must have to be taken for
 
 
 def upright(up: str) -> Floats:
-    """The rotation that turns an axis of a file up, by the shortest way, shape [3, 3]; for positions as columns.
-
-    Raises:
-        BadInput: If `up` is not one of UPS.
-    """
+    """The rotation that turns an axis of a file up, by the shortest way, shape [3, 3]; for positions as columns; BadInput for no axis."""
     if up not in UPS:
         raise unknown("axis for up", up, UPS)
     towards = axis(up)
@@ -39,12 +35,7 @@ def axis(up: str) -> Floats:
 
 
 def lying(mesh: SurfaceMesh, axes: Floats) -> str:
-    """The axis that is probably up where a part stands on nothing flat, but would as it lies on another side; "" for none.
-
-    Args:
-        mesh: The part as it stands [mm].
-        axes: What turned the axes of its file, as `upright` gives it.
-    """
+    """The axis that is probably up where a part [mm] stands on nothing flat but could; "" for none; `axes` turned those of its file."""
     if resting_face(mesh) is not None:
         return ""
     shares = {up: _base(mesh, axes @ axis(up)) for up in UPS}
@@ -76,17 +67,11 @@ ON_BED = 0.2
 
 
 class Standing(NamedTuple):
-    """A part on the bed.
+    """A part on the bed."""
 
-    Attributes:
-        overhang: Area of faces that need support [mm²].
-        height: How high it is [mm].
-        base: Area that lies on the bed [mm²].
-    """
-
-    overhang: float
-    height: float
-    base: float
+    overhang: float  # area of faces that need support [mm²]
+    height: float  # how high it is [mm]
+    base: float  # area that lies on the bed [mm²]
 
 
 def standing(mesh: SurfaceMesh, up: ArrayLike) -> Standing:

@@ -74,12 +74,7 @@ class Bounds:
 def advanced(displacement: Field, let_through: Field, increment: Field, bounds: Bounds, recipe: Recipe) -> Field:
     """The displacement after one iteration [mm], shape [vertex_count]: what of the increment is let through, within the bounds.
 
-    Args:
-        displacement: D before it [mm], shape [vertex_count].
-        let_through: Mask times share, shape [vertex_count].
-        increment: What the stylizer wants more [mm], shape [vertex_count].
-        bounds: How far the style may go.
-        recipe: Whether walls are spared, and which.
+    `let_through` is mask times share; the recipe says whether walls are spared.
     """
     step = let_through * increment
     if recipe.restraint.feedback:
@@ -90,12 +85,8 @@ def advanced(displacement: Field, let_through: Field, increment: Field, bounds: 
 def unrestrained_relief(asked: Field, bounds: Bounds, recipe: Recipe) -> Field:
     """What comes of a finished proposal that no stress restrains [mm], shape [vertex_count].
 
-    It is grown evenly over the iterations, because near the thinnest wall each step is slowed by those before it.
-
-    Args:
-        asked: What the stylizer proposes in the end [mm], shape [vertex_count].
-        bounds: How far the style may go.
-        recipe: How many iterations there are, and which walls are spared.
+    It is grown evenly over the iterations, because near the thinnest wall each step is slowed by those before it. `asked` is what the
+    stylizer proposes in the end [mm], shape [vertex_count].
     """
     increment, grown = (bounds.levelled(asked) / recipe.schedule.iterations).astype(np.float32), np.zeros_like(bounds.thickness)
     for _ in range(recipe.schedule.iterations):

@@ -7,7 +7,7 @@ Faruqi et al. 2025, §4.2, with the limits corrected: 1 where demand is 0, exact
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
@@ -26,11 +26,6 @@ def demand(simulation: Simulation, original: Simulation, recipe: Recipe) -> Fiel
 
     `headroom` is the largest over the landings and loads that decide, each beside the original in the same test and below its own
     limit. The others know the field as placed alone, as published.
-
-    Args:
-        simulation: The last simulation.
-        original: The unstylized part.
-        recipe: Material, normalisation and what is judged.
     """
     material, normalisation = recipe.test.material, recipe.restraint.normalisation
     strength = material.yield_strength
@@ -55,10 +50,6 @@ def utilisation(simulation: Simulation, rows: Sequence[Row]) -> Field:
 
     It is the largest over those tests, and over every landing of a kind that exceeds the limit of its row. Where it is above 1 lies the
     volume that σ_V is about.
-
-    Args:
-        simulation: The test of the part.
-        rows: What is to be met.
     """
     fields = [np.zeros(len(simulation.displacement), np.float32)]
     for row in rows:
@@ -101,12 +92,8 @@ def normalised(stress: Field, original: Field, limit: Field | np.float32, larges
 def headroom(stress: Field, original: Field, limit: Field | np.float32) -> Field:
     """(s − s0) / (A − s0), the share of the reserve the style has used up, at least 1 where the stress s exceeds A; shape [vertex_count].
 
-    Where the original is above A itself, A is what it reaches: nothing is demanded of the unstylized part.
-
-    Args:
-        stress: Field s of the styled part [MPa], shape [vertex_count].
-        original: Field s0 of the unstylized part [MPa], shape [vertex_count].
-        limit: A [MPa], shape [vertex_count] or one for all.
+    s0 is the stress of the original [MPa], shape [vertex_count], A the limit [MPa], one for each vertex or for all. Where the original is
+    above A itself, A is what it reaches: nothing is demanded of the unstylized part.
     """
     limit = np.maximum(limit, original)
     used = (stress - original) / np.maximum(limit - original, np.float32(RESERVE) * limit)
@@ -130,21 +117,16 @@ def frozen(s_norm: Field) -> Field:
     return (s_norm < 1.0).astype(np.float32)
 
 
-def unrestrained(s_norm: Field) -> Field:
-    """1 everywhere: Freestyle."""
-    return np.ones_like(s_norm, dtype=np.float32)
-
-
-MASKS = {"linear": linear, "exponential": exponential, "frozen": frozen, "none": unrestrained}
+MASKS: Mapping[str, Callable[[Field], Field]] = {
+    "linear": linear, "exponential": exponential, "frozen": frozen, "none": lambda s_norm: np.ones_like(s_norm, dtype=np.float32),
+}  # fmt: skip
+"""By control; `none`, of Freestyle, is 1 everywhere."""
 
 
 def mask(s_norm: Field, control: str, threshold: float = 1.0) -> Field:
     """Factor on further movement in [0, 1], shape [vertex_count].
 
-    Args:
-        s_norm: Demand, shape [vertex_count].
-        control: One of CONTROLS.
-        threshold: Demand that is to count as 1, where the masks become 0; above 0.
+    The threshold, above 0, is the demand that is to count as 1, where the masks become 0.
     """
     if control not in MASKS:
         raise unknown("control", control, CONTROLS)

@@ -10,7 +10,8 @@ reason a relief that passes, of which they held much back, is exchanged for the 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -80,15 +81,9 @@ class Correction:
     passed: bool = False
     _lowered: int = 0
     _given_back: int = 0
-    _near: list[csr_array] = field(default_factory=list, repr=False)
 
     def tested(self, relief: Field, found: Finding) -> tuple[Field, str] | None:
-        """The relief to test next [mm] and why, in words; None if what was found so far will do.
-
-        Args:
-            relief: What was tested [mm], shape [vertex_count].
-            found: What the test found.
-        """
+        """The relief to test next [mm] and why, in words, given what the test of one found; None if what was found so far will do."""
         self.passed |= found.passes
         if found.passes and found.utilisation is None:
             self.sure = relief
@@ -125,26 +120,21 @@ class Correction:
 
     def _lowered_locally(self, relief: Field, used: Field, *, fails_by_drop: bool) -> tuple[Field, str]:
         self._lowered += 1
-        taken = lowered_share(used, self._neighbours())
+        taken = lowered_share(used, self._near)
         if fails_by_drop:
-            patches = self.standing & (overload(used, self._neighbours()) > 0.0)
+            patches = self.standing & (overload(used, self._near) > 0.0)
             taken[patches if self._lowered <= PATCH_ROUNDS else self.standing] = 1.0
         return (relief * (1.0 - taken)).astype(np.float32), f"relief lowered around {int((used >= 1.0).sum())} overloaded vertices"
 
-    def _neighbours(self) -> csr_array:
-        if not self._near:
-            self._near.append(neighbours(self.surface.vertices, max(REACH, EDGES * self.surface.edge_length)))
-        return self._near[0]
+    @cached_property
+    def _near(self) -> csr_array:
+        return neighbours(self.surface.vertices, max(REACH, EDGES * self.surface.edge_length))
 
 
 def lowered_share(used: Field, near: csr_array) -> Field:
     """Share of the relief that is taken at each vertex, in [0, MOST], shape [vertex_count].
 
-    min(GAIN o / (1 + 0.3 o), MOST) of the overload o within reach, smoothed over the reach.
-
-    Args:
-        used: Utilisation, shape [vertex_count].
-        near: Who lies within reach of whom, itself included, shape [vertex_count, vertex_count].
+    min(GAIN o / (1 + 0.3 o), MOST) of the overload o within reach, smoothed over the reach; `near` is of `neighbours`.
     """
     around = overload(used, near)
     taken = np.minimum(GAIN * around / (1.0 + 0.3 * around), MOST)
@@ -152,12 +142,7 @@ def lowered_share(used: Field, near: csr_array) -> Field:
 
 
 def remaining_share(before: Field, after: Field) -> Field:
-    """Share of a relief that was left at each vertex, in [0, 1], shape [vertex_count]; 1 where there was none or it was raised.
-
-    Args:
-        before: The relief [mm], shape [vertex_count].
-        after: What became of it [mm], shape [vertex_count].
-    """
+    """Share of a relief that was left at each vertex, in [0, 1], shape [vertex_count]; 1 where there was none or it was raised."""
     safe = np.where(before == 0.0, 1.0, before)
     return np.asarray(np.where(before == 0.0, 1.0, np.clip(after / safe, 0.0, 1.0)), np.float32)
 
@@ -166,10 +151,7 @@ def overload(used: Field, near: csr_array) -> Field:
     """The largest utilisation above the aim within reach of each vertex, 0 where there is none, shape [vertex_count].
 
     Where none exceeds the aim although a test does not pass, as the mean along the surface may be lower, it is nine tenths of the largest.
-
-    Args:
-        used: Utilisation, shape [vertex_count].
-        near: Who lies within reach of whom, itself included, shape [vertex_count, vertex_count].
+    `near` is of `neighbours`.
     """
     over = np.maximum(used - min(AIM, 0.9 * float(used.max())), 0.0)
     return np.asarray(np.maximum.reduceat(over[near.indices], near.indptr[:-1]), np.float32)

@@ -24,13 +24,7 @@ from mechstyle.records.mesh import Field, SurfaceMesh
 
 @dataclass(frozen=True)
 class Stylized:
-    """The stylizer proposed and the mask let part of it through.
-
-    Attributes:
-        iteration: 1 to the recipe's iterations.
-        style_loss: Loss of the surface as it now is.
-        moved: Largest movement of a vertex in this iteration [mm].
-    """
+    """The stylizer proposed and the mask let part of it through; `moved` is the largest movement of a vertex [mm]."""
 
     iteration: int
     style_loss: float
@@ -47,15 +41,7 @@ class SimulationStarted:
 
 @dataclass(frozen=True)
 class Simulated:
-    """A drop test ended.
-
-    Attributes:
-        iteration: Iteration simulated.
-        reason: Why.
-        simulation: What was measured.
-        verdict: What it means.
-        restrained: Share of the vertices that count as restrained.
-    """
+    """A drop test ended; `restrained` is the share of the vertices that now count as restrained."""
 
     iteration: int
     reason: str
@@ -68,9 +54,7 @@ class Simulated:
 class Corrected:
     """The finished relief was lowered, because it failed, or raised, because it passed; a simulation of the result follows.
 
-    Attributes:
-        step: What was changed, in words.
-        kept: Share of what the style asks for that is left.
+    `step` says what was changed, `kept` is the share of what the style asks for that is left.
     """
 
     step: str
@@ -87,12 +71,7 @@ class Checkpointed:
 
 @dataclass(frozen=True)
 class Finished:
-    """The run is complete; the last checkpoint is the surface that was simulated last.
-
-    Attributes:
-        verdict: Verdict on it.
-        digest: Digest of the last checkpoint.
-    """
+    """The run is complete; the last checkpoint is the surface that was simulated last, with this verdict."""
 
     verdict: Verdict
     digest: str
@@ -159,11 +138,6 @@ Untangle = Callable[[Field], Field]
 """What is left of a relief [mm], shape [vertex_count], where the surface would pass through itself."""
 
 
-def as_it_is(relief: Field) -> Field:
-    """The relief of a surface that is never looked at for passing through itself."""
-    return relief
-
-
 @dataclass(frozen=True)
 class Engine:
     """One lane of one store, carried on to the end of its recipe; finished reliefs are untangled before they are simulated."""
@@ -175,7 +149,7 @@ class Engine:
     simulator: Simulator
     store: Store
     lane: str = "main"
-    untangled: Untangle = as_it_is
+    untangled: Untangle = lambda relief: relief
 
     def run(self) -> Iterator[Event]:
         """Carry the lane on to its end, yielding what happens; stopping between two events loses nothing that was yielded."""
@@ -203,8 +177,6 @@ class Engine:
             yield event
         yield from self._finish(state, digest)
 
-    # where the lane stands
-
     def _stand(self) -> tuple[str, Checkpoint]:
         """The checkpoint to go on from; corrections are replayed from the last iteration (their simulations are remembered)."""
         digest = self.store.lane(self.lane).head
@@ -225,23 +197,11 @@ class Engine:
         base = self.simulator.baseline
         demand, verdict = self._demand(base), self.simulator.judge(base, alone=True)
         return Checkpoint(
-            iteration=0,
-            parent="",
-            recipe=self.recipe.digest,
-            displacement=nothing,
-            colour=start.colour.astype(np.float16),
-            mask=self._mask(demand),
-            share=np.ones(count, np.float32),
-            anchor=nothing,
-            stress=shown(base, verdict),
-            demand=demand,
-            simulated_at=0,
-            simulation=self.store.objects.put_record(base),
-            style_loss=self.stylizer.loss(nothing, start.colour),
-            reason="original part",
-            verdict=verdict,
-            keyframe=self.stylizer.state(),
-        )
+            iteration=0, parent="", recipe=self.recipe.digest, displacement=nothing, colour=start.colour.astype(np.float16),
+            mask=self._mask(demand), share=np.ones(count, np.float32), anchor=nothing, stress=shown(base, verdict), demand=demand,
+            simulated_at=0, simulation=self.store.objects.put_record(base), style_loss=self.stylizer.loss(nothing, start.colour),
+            reason="original part", verdict=verdict, keyframe=self.stylizer.state(),
+        )  # fmt: skip
 
     def _wind_stylizer(self, state: Checkpoint) -> Proposal:
         """Bring the stylizer to where it was after `state`: from the nearest keyframe, or afresh where another style ended."""
@@ -259,8 +219,6 @@ class Engine:
             self.stylizer.step()
         return self.stylizer.proposal()
 
-    # one iteration
-
     def _moved(self, state: Checkpoint, proposal: Proposal, increment: Field, parent: str) -> Checkpoint:
         """D += mask · share · clip(increment), within the bounds; colours are never masked, only kept where the user wants it."""
         limit = np.float32(STEP_LIMIT * self.surface.size)
@@ -268,18 +226,10 @@ class Engine:
         colour = np.where(self.bounds.uncoloured, state.colour, proposal.colour).astype(np.float32)
         iteration = state.iteration + 1
         return replace(
-            state,
-            iteration=iteration,
-            parent=parent,
-            recipe=self.recipe.digest,
-            displacement=displacement,
-            colour=colour.astype(np.float16),
-            style_loss=self.stylizer.loss(displacement, colour),
-            reason="",
-            verdict=None,
-            final=False,
+            state, iteration=iteration, parent=parent, recipe=self.recipe.digest, displacement=displacement,
+            colour=colour.astype(np.float16), style_loss=self.stylizer.loss(displacement, colour), reason="", verdict=None, final=False,
             keyframe=self.stylizer.state() if iteration % KEYFRAME_EVERY == 0 else None,
-        )
+        )  # fmt: skip
 
     @cached_property
     def _walls(self) -> Field:
@@ -304,11 +254,9 @@ class Engine:
             demand = self._demand(simulation)
             state = replace(state, stress=shown(simulation, verdict), demand=demand, mask=self._mask(demand))
         state = replace(
-            state,
-            anchor=state.displacement,
-            simulation=self.store.objects.put_record(simulation),
+            state, anchor=state.displacement, simulation=self.store.objects.put_record(simulation),
             style_loss=self.stylizer.loss(state.displacement, state.colour.astype(np.float32)),
-        )
+        )  # fmt: skip
         return state, Simulated(state.iteration, reason, simulation, verdict, float(state.restrained.mean()))
 
     def _demand(self, simulation: Simulation) -> Field:
@@ -319,8 +267,6 @@ class Engine:
     def _mask(self, demand: Field) -> Field:
         """The control's mask, within the freedom that protection leaves."""
         return control.mask(demand, self.recipe.restraint.control, self.recipe.restraint.threshold) * self.bounds.freedom
-
-    # the end
 
     def _finish(self, state: Checkpoint, digest: str) -> Iterator[Event]:
         """Correct the finished relief until it passes for sure (if the recipe asks for it), then mark the best as final."""
@@ -382,7 +328,7 @@ class Engine:
 
     def _save(self, state: Checkpoint) -> tuple[str, Checkpointed]:
         """Store the checkpoint, then move the lane to it."""
-        digest = self.store.put_checkpoint(state)
+        digest = self.store.objects.put_record(state)
         lane = self.store.lane(self.lane)
         self.store.move(self.lane, Lane(recipe=lane.recipe, head=digest, forked_from=lane.forked_from))
         return digest, Checkpointed(digest, state)
@@ -399,10 +345,7 @@ def shown(simulation: Simulation, verdict: Verdict) -> Field:
 def retained_share(displacement: Field, reference: Field, areas: NDArray[np.float64]) -> float:
     """Share of a reference relief that is left, ⟨T, D⟩ / ⟨T, T⟩ weighted by area; 1 where the reference is flat.
 
-    Args:
-        displacement: D [mm], shape [vertex_count].
-        reference: T [mm], shape [vertex_count].
-        areas: Vertex areas that can be seen [mm²], shape [vertex_count].
+    All are of shape [vertex_count]: D and T in mm, the areas that can be seen in mm².
     """
     total = float((areas * reference.astype(np.float64) ** 2).sum())
     return float((areas * reference * displacement).sum()) / total if total > 0 else 1.0

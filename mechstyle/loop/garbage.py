@@ -21,14 +21,9 @@ NO_OBJECT = frozenset({"mesh", "name", "notes", "origin", "prompt", "surface", "
 
 
 class Garbage(msgspec.Struct, frozen=True, kw_only=True):
-    """Files that can go.
+    """Files that can go: objects that nothing leads to, remembered results that belong to no checkpoint of a lane, and scraps.
 
-    Attributes:
-        objects: Objects that nothing leads to.
-        memo: Remembered results that belong to no checkpoint of a lane.
-        scraps: Files that were being written when their process was killed.
-        size: Bytes of all of them.
-        kept: Bytes of what stays.
+    Scraps were being written when their process was killed. `size` are the bytes of all of them, `kept` those of what stays.
     """
 
     objects: tuple[Path, ...]
@@ -61,8 +56,9 @@ def garbage(store: Store) -> Garbage:
     if lanes or part.exists():  # it is written before the first lane
         start += _digests(read_record(part, dict[str, Any]), NO_OBJECT - {"surface"})
     reached = _reached(store, start, needed=True)
-    unwanted = tuple(path for path in _memos(store) if not _is_kept(store, path, reached))
-    for path in set(_memos(store)) - set(unwanted):
+    memos = [store.memo.folder / key for key in store.memo.named()]
+    unwanted = tuple(path for path in memos if not _is_kept(store, path, reached))
+    for path in set(memos) - set(unwanted):
         reached |= _reached(store, _digests(path.read_text(encoding="ascii")), reached)
     stored = [path for path in files if path.is_relative_to(store.objects.root) and path not in scraps]
     objects = tuple(path for path in stored if path.parent.name + path.name not in reached)
@@ -87,10 +83,6 @@ def collect(store: Store) -> Garbage:
         return found
 
 
-def _memos(store: Store) -> list[Path]:
-    return [store.memo.folder / key for key in store.memo.named()]
-
-
 def _is_kept(store: Store, path: Path, reached: set[str]) -> bool:
     """Whether a memo is of tetrahedra, of a checkpoint that is reached, a mere number, or leads to a record that is reached."""
     named = set(_digests(path.name.rpartition("-")[2])) - {path.name}
@@ -103,8 +95,7 @@ def _is_kept(store: Store, path: Path, reached: set[str]) -> bool:
 def _reached(store: Store, start: Iterable[str], known: Iterable[str] = (), *, needed: bool = False) -> set[str]:
     """Every object that can be reached from some.
 
-    Raises:
-        DamagedStore: If one cannot be read; if one that is `needed` is missing. What is only remembered may be, as it can be made anew.
+    DamagedStore if one cannot be read; if one that is `needed` is missing. What is only remembered may be, as it can be made anew.
     """
     start = list(start)
     seen, ahead, missed, wanted = set(known), list(start), set(), set(start)
@@ -116,23 +107,17 @@ def _reached(store: Store, start: Iterable[str], known: Iterable[str] = (), *, n
         if not store.objects.path(digest).is_file():
             missed.add(digest)
             continue
-        record = _record(store, digest)
+        content, record = store.objects.get(digest), None
+        if content[:1] in (b"{", b'"', b"["):  # else it is an array
+            try:
+                record = msgspec.json.decode(content)
+            except (msgspec.DecodeError, RecursionError) as error:
+                raise DamagedStore(f"{store.objects.path(digest)} is no record: restore it from a copy, or start the run again") from error
         ahead += _digests(record)
         wanted.update(_digests(record, NO_OBJECT))
     for digest in sorted(missed & wanted) if needed else ():
         store.objects.get(digest)  # raises, and says which file is missing
     return seen
-
-
-def _record(store: Store, digest: str) -> Any:
-    """An object as plain values; None for an array."""
-    content = store.objects.get(digest)
-    if content[:1] not in (b"{", b'"', b"["):
-        return None
-    try:
-        return msgspec.json.decode(content)
-    except (msgspec.DecodeError, RecursionError) as error:
-        raise DamagedStore(f"{store.objects.path(digest)} is no record: restore it from a copy, or start the run again") from error
 
 
 def _digests(value: Any, without: Collection[str] = ()) -> Iterator[str]:

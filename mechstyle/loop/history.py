@@ -82,13 +82,9 @@ class _Stored(Entry, frozen=True, kw_only=True):
 
 
 def rows(
-    store: Store,
-    lane: str = "main",
-    *,
-    known: Mapping[str, Row] = NONE,
-    thickness: NDArray[np.float32] | None = None,
-    seconds: Mapping[str, float] = NONE,
-) -> list[Row]:
+    store: Store, lane: str = "main", *,
+    known: Mapping[str, Row] = NONE, thickness: NDArray[np.float32] | None = None, seconds: Mapping[str, float] = NONE,
+) -> list[Row]:  # fmt: skip
     """A row for each checkpoint of a lane, its inherited past included, oldest first; each mask is read once.
 
     Args:
@@ -102,27 +98,21 @@ def rows(
     past: list[Row] = []
     digest = store.lane(lane).head
     while digest:
-        past.append(known.get(digest) or _row(store, digest, counts, thickness, seconds.get(digest)))
-        digest = past[-1].parent
+        row = known.get(digest)
+        if row is None:
+            stored, travel = store.record(digest, _Stored), None
+            if stored.mask not in counts:
+                held = restrained(store.objects.get_array(stored.mask))
+                counts[stored.mask] = (int(held.sum()), len(held))
+            if thickness is not None:
+                moved = store.objects.get_array(stored.displacement) - store.objects.get_array(stored.anchor)
+                travel = float((np.abs(moved) / thickness).max()) / store.recipe(stored.recipe).schedule.travel
+            count, vertices = counts[stored.mask]
+            fields = {**{name: getattr(stored, name) for name in Entry.__struct_fields__}, "digest": digest}
+            row = Row(**fields, mask=stored.mask, restrained=count, vertices=vertices, travel=travel, seconds=seconds.get(digest))
+        past.append(row)
+        digest = row.parent
     return past[::-1]
-
-
-def _row(
-    store: Store, digest: str, counts: dict[str, tuple[int, int]], thickness: NDArray[np.float32] | None, seconds: float | None
-) -> Row:
-    stored = store.record(digest, _Stored)
-    if stored.mask not in counts:
-        held = restrained(store.objects.get_array(stored.mask))
-        counts[stored.mask] = (int(held.sum()), len(held))
-    count, vertices = counts[stored.mask]
-    travel = None if thickness is None else _travel(store, stored, thickness)
-    fields = {**{name: getattr(stored, name) for name in Entry.__struct_fields__}, "digest": digest}
-    return Row(**fields, mask=stored.mask, restrained=count, vertices=vertices, travel=travel, seconds=seconds)
-
-
-def _travel(store: Store, stored: _Stored, thickness: NDArray[np.float32]) -> float:
-    moved = store.objects.get_array(stored.displacement) - store.objects.get_array(stored.anchor)
-    return float((np.abs(moved) / thickness).max()) / store.recipe(stored.recipe).schedule.travel
 
 
 def per_iteration(history: Iterable[E]) -> list[E]:
@@ -140,8 +130,7 @@ def simulated(history: Iterable[E]) -> Iterator[tuple[E, Verdict]]:
 def standing(history: Sequence[E]) -> tuple[E, Verdict]:
     """What a lane has come to, with its verdict: of what is delivered once it has ended, which need not be what was simulated last.
 
-    Args:
-        history: Its checkpoints or their rows, oldest first; the first is simulated always.
+    Its history is oldest first; the first is simulated always.
     """
     return next((entry, entry.verdict) for entry in reversed(history) if entry.verdict is not None)
 
@@ -158,12 +147,7 @@ def measured_at(history: Iterable[Entry], digest: str) -> int | None:
 
 
 def steps(store: Store, history: Iterable[Row]) -> list[Step]:
-    """The simulations of a lane, the unstylized part's first.
-
-    Args:
-        store: The run directory.
-        history: The rows of the lane.
-    """
+    """The simulations of a lane, the unstylized part's first."""
     before, found = None, []
     for row, _ in simulated(history):
         held = restrained(store.objects.get_array(row.mask))
@@ -180,17 +164,7 @@ def largest_mask_change(found: Sequence[Step]) -> Step | None:
 
 
 class SimulationLine(msgspec.Struct, frozen=True, kw_only=True):
-    """One simulation of a lane.
-
-    Attributes:
-        iteration: Iteration it was made at.
-        reason: Why it was made.
-        outcome: Outcome of its verdict.
-        stress: σ_V in the test that decides [MPa], None without an answer.
-        limit: What it may at most be [MPa].
-        words: The verdict in sentences.
-        sure: Whether no doubt is left.
-    """
+    """One simulation of a lane, and its verdict; σ_V and its limit [MPa] are of the test that decides, None without an answer."""
 
     iteration: int
     reason: str
@@ -216,15 +190,9 @@ def simulations(history: Iterable[Entry]) -> tuple[SimulationLine, ...]:
 
 
 class LaneSummary(msgspec.Struct, frozen=True, kw_only=True):
-    """One lane of a run directory, finished or not.
+    """One lane of a run directory: its recipe in force, the iteration it stands at, and whether that is its end.
 
-    Attributes:
-        lane: Its name.
-        recipe: The recipe in force.
-        iteration: Iteration it stands at.
-        finished: Whether that is its end.
-        forked_at: Iteration it was branched at, None for an original line.
-        simulations: Every simulation, its inherited past included.
+    Simulations include those of its inherited past; `forked_at` is None for an original line.
     """
 
     lane: str
@@ -236,22 +204,13 @@ class LaneSummary(msgspec.Struct, frozen=True, kw_only=True):
 
     @classmethod
     def of(cls, store: Store, name: str, history: Sequence[Entry]) -> LaneSummary:
-        """Summary of a lane as it stands.
-
-        Args:
-            store: The run directory.
-            name: Name of the lane.
-            history: Its checkpoints or their rows, oldest first.
-        """
+        """Summary of a lane as it stands, of its checkpoints or their rows, oldest first."""
         lane = store.lane(name)
         return cls(
-            lane=name,
-            recipe=store.recipe(lane.recipe),
-            iteration=history[-1].iteration if history else 0,
-            finished=store.is_finished(name),
+            lane=name, recipe=store.recipe(lane.recipe), iteration=history[-1].iteration if history else 0,
+            finished=store.is_finished(name), simulations=simulations(history),
             forked_at=store.entry(lane.forked_from).iteration if lane.forked_from else None,
-            simulations=simulations(history),
-        )
+        )  # fmt: skip
 
 
 class Branch(LaneSummary, frozen=True, kw_only=True):
@@ -274,25 +233,16 @@ class Branch(LaneSummary, frozen=True, kw_only=True):
 
 
 def lanes(store: Store, histories: Mapping[str, Sequence[Entry]]) -> list[Branch]:
-    """The lanes of a run, in the order of `histories`.
-
-    Args:
-        store: The run directory.
-        histories: Every checkpoint of each lane, or their rows, by the name of the lane.
-    """
-    return [_branch(store, lane, histories) for lane in histories]
-
-
-def _branch(store: Store, lane: str, histories: Mapping[str, Sequence[Entry]]) -> Branch:
-    summary, forked_from, parent = LaneSummary.of(store, lane, histories[lane]), store.lane(lane).forked_from, ""
-    for name, history in histories.items() if forked_from else ():  # the one that holds it after the place where it was branched itself
-        own, start = [entry.digest for entry in history], store.lane(name).forked_from
-        if forked_from in own and (start not in own or own.index(start) < own.index(forked_from)):
-            parent = name
-            break
-    return Branch(
-        **msgspec.structs.asdict(summary),
-        parent=parent,
-        outcome=next((entry.verdict.outcome for entry in reversed(histories[lane]) if entry.verdict is not None), ""),
-        changes=store.recipe(store.entry(forked_from).recipe).differences(summary.recipe, by_figure=True) if forked_from else (),
-    )
+    """The lanes of a run in the order of `histories`: every checkpoint of each lane, or its row, by the name of the lane."""
+    found = []
+    for lane, of_lane in histories.items():
+        summary, forked_from, parent = LaneSummary.of(store, lane, of_lane), store.lane(lane).forked_from, ""
+        for name, history in histories.items() if forked_from else ():  # that which holds it after the place where it was branched itself
+            own, start = [entry.digest for entry in history], store.lane(name).forked_from
+            if forked_from in own and (start not in own or own.index(start) < own.index(forked_from)):
+                parent = name
+                break
+        outcome = next((entry.verdict.outcome for entry in reversed(of_lane) if entry.verdict is not None), "")
+        changes = store.recipe(store.entry(forked_from).recipe).differences(summary.recipe, by_figure=True) if forked_from else ()
+        found.append(Branch(**msgspec.structs.asdict(summary), parent=parent, outcome=outcome, changes=changes))
+    return found

@@ -18,12 +18,7 @@ SEEN = 0.02
 
 
 def room(thickness: Floats, minimum: float) -> Floats:
-    """How deep a wall may be cut from one side without being slowed or stopped, should it be cut as deep from the other [mm], at least 0.
-
-    Args:
-        thickness: Local wall thickness [mm], shape [vertex_count].
-        minimum: The thinnest wall allowed [mm].
-    """
+    """How deep a wall may be cut from one side without being slowed, should it be cut as deep from the other [mm], at least 0."""
     return np.maximum(0.5 * (thickness - (1.0 + RAMP) * minimum), 0.0)
 
 
@@ -32,10 +27,7 @@ def freedom(thickness: Field, displacement: Field, minimum: float) -> Field:
 
     The wall left is reckoned as if its other side were cut as deep, t + 2 min(D, 0), so that both together keep to the minimum.
 
-    Args:
-        thickness: Local wall thickness t of the unstylized part [mm], shape [vertex_count].
-        displacement: D along the outward normals [mm], shape [vertex_count].
-        minimum: The thinnest wall allowed [mm], above 0.
+    t is the local wall thickness of the unstylized part and D goes along the outward normals [mm], shape [vertex_count].
     """
     left = thickness + 2.0 * np.minimum(displacement, 0.0)
     return np.clip((left - minimum) / (RAMP * minimum), 0.0, 1.0).astype(np.float32)
@@ -44,11 +36,7 @@ def freedom(thickness: Field, displacement: Field, minimum: float) -> Field:
 def spared(step: Field, thickness: Field, displacement: Field, minimum: float) -> Field:
     """A step [mm] of which the part into the material is slowed and never leaves less than the minimum; outwards it is free.
 
-    Args:
-        step: Change of D that is wanted [mm], shape [vertex_count].
-        thickness: As in `freedom`.
-        displacement: As in `freedom`.
-        minimum: As in `freedom`; 0 for no rule.
+    Thickness and displacement are those of `freedom`; a minimum of 0 is no rule.
     """
     if minimum <= 0.0:
         return step

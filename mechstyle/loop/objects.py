@@ -15,6 +15,7 @@ import threading
 import tokenize
 import zlib
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -38,11 +39,9 @@ relief by that, by their own, last made for a recipe by that, and those a relief
 
 
 def to_json(record: object, enc_hook: Callable[[Any], Any] | None = None) -> bytes:
-    """A record as JSON. NaN and the infinities, for which JSON has no number, become words that `from_json` reads back.
+    """A Struct, a dataclass or plain values as JSON; `enc_hook` turns others into these.
 
-    Args:
-        record: A msgspec Struct, a dataclass or plain values.
-        enc_hook: Turns what is none of these into something that is.
+    NaN and the infinities, for which JSON has no number, become words that `from_json` reads back.
     """
     return msgspec.json.encode(_spelled(msgspec.to_builtins(record, enc_hook=enc_hook, order="deterministic")))
 
@@ -107,16 +106,6 @@ def _spelled(value: Any) -> Any:
     return str(value) if isinstance(value, float) and not math.isfinite(value) else value
 
 
-def _unpacked(path: Path) -> bytes:
-    """The content of a compressed file; zlib.error if it is no such file, goes on behind its end, or is larger than any object is."""
-    stream = zlib.decompressobj()
-    with path.open("rb") as file:
-        content = stream.decompress(file.read(MOST_BYTES), MOST_BYTES)
-    if not stream.eof:
-        raise zlib.error("cut off, or too large")
-    return content
-
-
 def _array(content: bytes) -> NDArray[Any]:
     """The array of `.npy` bytes; ValueError if they claim more, or less, than they hold."""
     buffer = io.BytesIO(content)
@@ -129,12 +118,11 @@ def _array(content: bytes) -> NDArray[Any]:
     return array
 
 
+@dataclass(eq=False)
 class Objects:
-    """A folder of immutable objects named by the SHA-256 of their uncompressed content."""
+    """A folder, which need not exist yet, of immutable objects named by the SHA-256 of their uncompressed content."""
 
-    def __init__(self, root: Path) -> None:
-        """Use `root`, which need not exist yet."""
-        self.root = root
+    root: Path
 
     def path(self, digest: str) -> Path:
         """Path of an object, whether it exists or not."""
@@ -153,11 +141,15 @@ class Objects:
         """The bytes of an object, verified; DamagedStore if it is missing or does not match its name."""
         if not re.fullmatch("[0-9a-f]{64}", digest):  # or it could be a path
             raise DamagedStore(f"{self.root.parent} names an object {digest[:80]!r}, which is no SHA-256: start the run again")
+        stream, lost = zlib.decompressobj(), f"{self.path(digest)} is missing or unreadable: restore it from a copy, or start the run again"
         try:
             _check_is_a_file(self.path(digest))
-            content = _unpacked(self.path(digest))
+            with self.path(digest).open("rb") as file:
+                content = stream.decompress(file.read(MOST_BYTES), MOST_BYTES)
         except (OSError, zlib.error) as error:
-            raise DamagedStore(f"{self.path(digest)} is missing or unreadable: restore it from a copy, or start the run again") from error
+            raise DamagedStore(lost) from error
+        if not stream.eof:  # cut off, or larger than any object is
+            raise DamagedStore(lost)
         if hashlib.sha256(content).hexdigest() != digest:
             raise DamagedStore(
                 f"{self.path(digest)} does not have the content its name promises: restore it from a copy, or start the run again"
@@ -204,13 +196,12 @@ class Objects:
             return kind(self.get_array(table["vertices"]), self.get_array(table["cells"]))
 
 
+@dataclass(eq=False)
 class Memo:
-    """Results of deterministic computations by the digest of their inputs, kept beside their objects."""
+    """Results of deterministic computations by the digest of their inputs: the index in a folder, the results among objects."""
 
-    def __init__(self, folder: Path, objects: Objects) -> None:
-        """Keep the index in `folder`, results in `objects`."""
-        self.folder = folder
-        self.objects = objects
+    folder: Path
+    objects: Objects
 
     def named(self, beginning: str = "") -> list[str]:
         """Names of what is remembered that begin so, in order."""

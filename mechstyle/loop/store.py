@@ -94,8 +94,8 @@ class Store:
 
     def lanes(self) -> tuple[str, ...]:
         """Names of the lanes, `main` first, then in order of name."""
-        names = sorted(path.stem for path in self._lane_files() if _is_plain(path))
-        return tuple(sorted(names, key=lambda name: name != "main"))
+        names = (path.stem for path in self._lane_files() if path.is_file() and not path.is_symlink())
+        return tuple(sorted(names, key=lambda name: (name != "main", name)))
 
     def _lane_files(self) -> list[Path]:
         return [path for path in (self.root / "lanes").glob("*.json") if _may_be_a_lane(path.stem)]
@@ -123,8 +123,7 @@ class Store:
     def fork(self, lane: Lane, wanted: str = "") -> str:
         """Name of a lane with this recipe and fork: of the one that is there, under the wanted name if there is one, or of a new one.
 
-        Raises:
-            BadInput: If the name wanted is that of another lane.
+        BadInput if the name wanted is that of another lane.
         """
         with exclusive(self.root / "locks" / ".branches.lock", "a new branch", wait=True):  # or two could take one name
             known = {name: self.lane(name) for name in self.lanes()}
@@ -153,10 +152,6 @@ class Store:
             if isinstance(error.__cause__, msgspec.ValidationError):
                 raise BadInput(f"{self.root}: this run was made by another version of MechStyle; run it again in another folder") from error
             raise
-
-    def put_checkpoint(self, checkpoint: Checkpoint) -> str:
-        """Store a checkpoint; return its digest, which is the same for the same state and past."""
-        return self.objects.put_record(checkpoint)
 
     def checkpoint(self, digest: str) -> Checkpoint:
         """A stored checkpoint with its arrays."""
@@ -212,13 +207,9 @@ def _absolute(path: Path) -> Path:
         return path
 
 
-def _is_plain(path: Path) -> bool:
-    """Whether a file is there itself: in a folder from somebody else a link could lead to any file of the user's."""
-    return path.is_file() and not path.is_symlink()
-
-
 def _check_plain(path: Path) -> None:
-    if not _is_plain(path):
+    """Refuse what is not a file itself: in a folder from somebody else a link could lead to any file of the user's."""
+    if not path.is_file() or path.is_symlink():
         raise BadInput(f"{path} is not a file, as a lane is: remove it if you do not know what it is for, or restore the file from a copy")
 
 

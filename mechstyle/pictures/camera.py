@@ -20,27 +20,19 @@ VIEWS: Mapping[str, tuple[float, float]] = MappingProxyType(
 )
 OPENING = 24.0
 """Default opening angle over the height of a picture [degrees]."""
+MARGIN = 0.06  # of a picture that is left free around a part
 
 
 @dataclass(frozen=True)
 class Camera:
-    """A perspective camera that looks at a point, z up.
+    """A perspective camera that looks at a point, z up."""
 
-    Attributes:
-        azimuth: Direction it stands in, from -y anticlockwise seen from above [degrees].
-        elevation: Direction it stands in, above the floor [degrees].
-        target: The point in the middle of the picture [mm].
-        distance: From the target to the camera [mm].
-        field_of_view: Opening angle over the height of the picture [degrees].
-        aspect: Width over height of the picture.
-    """
-
-    azimuth: float
-    elevation: float
-    target: tuple[float, float, float]
-    distance: float
-    field_of_view: float = OPENING
-    aspect: float = 1.0
+    azimuth: float  # direction it stands in, from -y anticlockwise seen from above [degrees]
+    elevation: float  # direction it stands in, above the floor [degrees]
+    target: tuple[float, float, float]  # the point in the middle of the picture [mm]
+    distance: float  # from the target to the camera [mm]
+    field_of_view: float = OPENING  # opening angle over the height of the picture [degrees]
+    aspect: float = 1.0  # width over height of the picture
 
     def __post_init__(self) -> None:
         """Refuse a camera that sees nothing."""
@@ -49,10 +41,9 @@ class Camera:
 
     @classmethod
     def fitted(
-        cls, points: ArrayLike, azimuth: float, elevation: float, *,
-        aspect: float = 1.0, margin: float = 0.06, field_of_view: float = OPENING,
-    ) -> Camera:  # fmt: skip
-        """The nearest camera in a direction from which all points are in the picture, `margin` of it left free on each side.
+        cls, points: ArrayLike, azimuth: float, elevation: float, *, aspect: float = 1.0, field_of_view: float = OPENING
+    ) -> Camera:
+        """The nearest camera in a direction from which all points are in the picture, 6 % of it left free on each side.
 
         A point (x, y, z) in camera axes around a target shifted by (s, t) is inside when |x - s| <= k (d - z) and |y - t| <= h (d - z);
         the smallest d and the shift follow from the extremes of x ± k z and y ± h z.
@@ -63,7 +54,7 @@ class Camera:
         middle = 0.5 * (cloud.min(axis=0) + cloud.max(axis=0))
         axes = _axes(azimuth, elevation)
         x, y, z = ((cloud - middle) @ axes.T).T
-        high = math.tan(math.radians(field_of_view / 2)) * (1 - 2 * margin)
+        high = math.tan(math.radians(field_of_view / 2)) * (1 - 2 * MARGIN)
         wide = high * aspect
         spans = [(float((u + k * z).max()), float((u - k * z).min()), k) for u, k in ((x, wide), (y, high))]
         distance = max((top - bottom) / (2 * k) for top, bottom, k in spans)

@@ -22,17 +22,11 @@ STEPS = 256
 
 @dataclass(frozen=True)
 class Scale:
-    """A colour scale: from values to colours. It rises, or falls where less is worse, as with a safety factor.
+    """A colour scale: from values to colours. It rises, or falls where less is worse, as with a safety factor."""
 
-    Attributes:
-        low: Value at the pale end [unit of the field]; above `high` on a scale that falls.
-        high: Value at the dark end, or at the top of the scale where a threshold lies before it.
-        threshold: Values beyond it are set apart, None for none.
-    """
-
-    low: float
-    high: float
-    threshold: float | None = None
+    low: float  # value at the pale end [unit of the field]; above `high` on a scale that falls
+    high: float  # value at the dark end, or at the top of the scale where a threshold lies before it
+    threshold: float | None = None  # values beyond it are set apart, None for none
 
     def __post_init__(self) -> None:
         """Refuse a scale without extent."""

@@ -30,48 +30,32 @@ AMPLE = 10.0
 """Greatest safety factor that is given; more of it, up to that of no stress at all, is of no use to anybody."""
 
 DEMAND_LABELS = {
-    "headroom": "demand: stress reserve used up",
-    "own_max": "demand: stress over original's peak",
+    "headroom": "demand: stress reserve used up", "own_max": "demand: stress over original's peak",
     "sigma_c": "demand: stress over λ × yield",
-}
+}  # fmt: skip
 """Label of demand for each of `records.NORMALISATIONS`."""
 
 
 @dataclass(frozen=True)
 class Quantity:
-    """A field over a surface without its values: name, label, unit, limits and threshold.
+    """A field over a surface without its values: name, label, unit, limits and threshold."""
 
-    Attributes:
-        name: What it is called in code and by which it is selected.
-        label: What it is called on screen.
-        unit: Its unit, "" for a pure number.
-        least: Values the colours reach from and to at least; None if they span the values and no more.
-        threshold: Values beyond it are set apart, None for none.
-        note: What a reader should know about it, "" for nothing.
-        mirrored: Whether the colours reach as far below zero as above it.
-        bounded: Whether the colours reach from and to `least` and no farther, whatever the values.
-        stored: Name of the stored array it is made from; "" for that of its own name.
-        formed: Makes it from that array, None if it is that array.
-        said: How a value at one place is put in words; as a figure with its unit if None.
-        tested: Reads the array from a simulation, where that holds it for several tests; None if it is an array of the simulation.
-        judged: What is judged of it; values above are shown as this, and it stands for them on the bar; None if all are shown.
-        most: Words beside the greatest value, "" for that value.
-    """
-
-    name: str
-    label: str
-    unit: str = ""
-    least: tuple[float, float] | None = None
-    threshold: float | None = None
-    note: str = ""
-    mirrored: bool = False
-    bounded: bool = False
-    stored: str = ""
-    formed: Callable[[NDArray[Any]], NDArray[Any]] | None = None
-    said: Callable[[float], str] | None = None
+    name: str  # what it is called in code and by which it is selected
+    label: str  # what it is called on screen
+    unit: str = ""  # its unit, "" for a pure number
+    least: tuple[float, float] | None = None  # values the colours reach from and to at least; None if they span the values and no more
+    threshold: float | None = None  # values beyond it are set apart, None for none
+    note: str = ""  # what a reader should know about it, "" for nothing
+    mirrored: bool = False  # whether the colours reach as far below zero as above it
+    bounded: bool = False  # whether the colours reach from and to `least` and no farther, whatever the values
+    stored: str = ""  # name of the stored array it is made from; "" for that of its own name
+    formed: Callable[[NDArray[Any]], NDArray[Any]] | None = None  # makes it from that array, None if it is that array
+    said: Callable[[float], str] | None = None  # how a value at one place is put in words; as a figure with its unit if None
+    # reads the array from a simulation, where that holds it for several tests; None if it is an array of the simulation
     tested: Callable[[Simulation], NDArray[Any]] | None = None
+    # what is judged of it; values above are shown as this, and it stands for them on the bar; None if all are shown
     judged: float | None = None
-    most: str = ""
+    most: str = ""  # words beside the greatest value, "" for that value
 
     @property
     def title(self) -> str:
@@ -193,13 +177,9 @@ CONTACT = Quantity(
 
 
 TITLES = {
-    "safety_factor": "safety factor",
-    "thickness": "wall thickness",
-    "contact": "touched the floor",
-    "flat_stress": "stress, flat",
-    "nearly_flat_stress": "stress, nearly flat",
-    MOMENT: "stress of the moment",
-}
+    "safety_factor": "safety factor", "thickness": "wall thickness", "contact": "touched the floor", "flat_stress": "stress, flat",
+    "nearly_flat_stress": "stress, nearly flat", MOMENT: "stress of the moment",
+}  # fmt: skip
 """What a menu calls a quantity, where that is not its name."""
 
 
@@ -217,19 +197,12 @@ def quantities(recipe: Recipe, verdict: Verdict | None) -> tuple[Quantity, ...]:
 
 @dataclass(frozen=True, eq=False)
 class Known:
-    """A field of a checkpoint: a quantity with its values.
+    """A field of a checkpoint: a quantity with its values."""
 
-    Attributes:
-        quantity: Its row of the table.
-        values: The field [unit], shape [vertex_count].
-        seen: What the colours have to show, of any shape.
-        note: What a reader should know of these values, "" for nothing.
-    """
-
-    quantity: Quantity
-    values: NDArray[Any]
-    seen: NDArray[Any]
-    note: str
+    quantity: Quantity  # its row of the table
+    values: NDArray[Any]  # the field [unit], shape [vertex_count]
+    seen: NDArray[Any]  # what the colours have to show, of any shape
+    note: str  # what a reader should know of these values, "" for nothing
 
     @classmethod
     def of(cls, quantity: Quantity, values: NDArray[Any], *more: NDArray[Any], note: str = "") -> Known:
@@ -238,12 +211,7 @@ class Known:
 
 
 def known(
-    recipe: Recipe,
-    state: Checkpoint,
-    simulation: Simulation | None,
-    thickness: NDArray[Any],
-    newest: Checkpoint,
-    verdict: Verdict | None,
+    recipe: Recipe, state: Checkpoint, simulation: Simulation | None, thickness: NDArray[Any], newest: Checkpoint, verdict: Verdict | None
 ) -> tuple[Known, ...]:
     """Every field that is known of a checkpoint, in the order in which they are offered.
 

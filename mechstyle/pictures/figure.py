@@ -6,6 +6,7 @@ import io
 import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -37,33 +38,21 @@ CROWDED = 0.12
 
 @dataclass(frozen=True, eq=False)
 class Panel:
-    """One picture of a figure.
+    """One picture of a figure."""
 
-    Attributes:
-        mesh: The part; shown in its own colours unless there are values.
-        title: What it shows.
-        values: A field over the vertices [unit], shape [vertex_count], or None.
-        unit: Unit of the field, "" for a pure number, whose extremes are not marked.
-        label: Name of the field; panels of the same label, unit, limits and threshold share one colour bar.
-        limits: Ends of the colour bar, None for zero (or the least value) to the greatest value of the panels that share it.
-        threshold: Values above it are hatched and outlined, None for no threshold.
-        view: One of `camera.VIEWS`, or the very camera.
-        note: A line under the picture.
-        judged: Value that stands for itself and all above it, None if all are shown; the bar marks the greatest of its panels.
-        most: Words at the greatest value; "" for that value.
-    """
-
-    mesh: SurfaceMesh
-    title: str = ""
-    values: NDArray[np.floating] | None = None
-    unit: str = ""
-    label: str = ""
+    mesh: SurfaceMesh  # the part; shown in its own colours unless there are values
+    title: str = ""  # what it shows
+    values: NDArray[np.floating] | None = None  # a field over the vertices [unit], shape [vertex_count], or None
+    unit: str = ""  # unit of the field, "" for a pure number, whose extremes are not marked
+    label: str = ""  # name of the field; panels of the same label, unit, limits and threshold share one colour bar
+    # ends of the colour bar, None for zero (or the least value) to the greatest value of the panels that share it
     limits: tuple[float, float] | None = None
-    threshold: float | None = None
-    view: str | Camera = "three_quarter"
-    note: str = ""
+    threshold: float | None = None  # values above it are hatched and outlined, None for no threshold
+    view: str | Camera = "three_quarter"  # one of `camera.VIEWS`, or the very camera
+    note: str = ""  # a line under the picture
+    # value that stands for itself and all above it, None if all are shown; the bar marks the greatest of its panels
     judged: float | None = None
-    most: str = ""
+    most: str = ""  # words at the greatest value; "" for that value
 
     @property
     def field(self) -> FieldKey | None:
@@ -72,12 +61,7 @@ class Panel:
 
 
 def figure(
-    panels: Sequence[Panel],
-    *,
-    columns: int | None = None,
-    title: str = "",
-    panel_size: tuple[int, int] = (480, 480),
-    device: str = "cpu",
+    panels: Sequence[Panel], *, columns: int | None = None, title: str = "", panel_size: tuple[int, int] = (480, 480), device: str = "cpu"
 ) -> Figure:
     """Panels in rows, as a matplotlib figure that depends on no global state.
 
@@ -108,24 +92,30 @@ def figure(
         sheet.text(MARGIN / page.width, 1 - (MARGIN + 12) / page.height, title, size=13, weight="bold", color=INK, va="center")
     for index, (panel, camera) in enumerate(zip(panels, _cameras(panels, panel_size), strict=True)):
         scale = None if panel.field is None else scales[panel.field]
-        _draw_panel(page.picture_axes(sheet, index), panel, camera, scale, device)
+        axes = page.picture_axes(sheet, index)
+        width, height = _pixels(axes)
+        shows = None if panel.values is None or scale is None else Field(panel.values, scale)
+        picture = render(panel.mesh, camera=camera, width=width, height=height, field=shows, device=device)
+        axes.imshow(picture, interpolation="none", extent=(0, width, height, 0), aspect="auto")
+        axes.set_axis_off()
+        _shorten(axes.text(0, -10, panel.title, size=11, weight="bold", color=INK, va="bottom"), width)
+        _shorten(axes.text(0, height + 4, panel.note, size=9.5, color=FAINT, va="top"), width)
+        if shows is not None and panel.unit:
+            _mark_extremes(axes, panel, camera)
     for index, (field, scale) in enumerate(scales.items()):
         judged = max((panel.judged for panel in panels if panel.field == field and panel.judged is not None), default=None)
         _draw_bar(page.bar_axes(sheet, index), field[0], field[1], scale, judged)
     return sheet
 
 
-def figure_png(
-    panels: Sequence[Panel],
-    *,
-    columns: int | None = None,
-    title: str = "",
-    panel_size: tuple[int, int] = (480, 480),
-    device: str = "cpu",
-) -> bytes:
+def figure_png(panels: Sequence[Panel], **layout: Any) -> bytes:
     """The figure as the bytes of a PNG file; arguments and errors as for `figure`."""
+    return png_of(figure(panels, **layout))
+
+
+def png_of(sheet: Figure) -> bytes:
+    """A figure as the bytes of a PNG file."""
     buffer = io.BytesIO()
-    sheet = figure(panels, columns=columns, title=title, panel_size=panel_size, device=device)
     sheet.savefig(buffer, format="png", dpi=DPI, facecolor=sheet.get_facecolor(), metadata={"Software": "MechStyle"})
     return buffer.getvalue()
 
@@ -184,25 +174,10 @@ def _cameras(panels: Sequence[Panel], size: tuple[int, int]) -> list[Camera]:
         if isinstance(panel.view, Camera):
             cameras.append(replace(panel.view, aspect=size[0] / size[1]))
             continue
-        alike = [
-            other.mesh.vertices
-            for other, others in zip(panels, boxes, strict=True)
-            if other.view == panel.view and np.abs(others - box).max() <= 0.05 * panel.mesh.size
-        ]
+        near = [np.abs(others - box).max() <= 0.05 * panel.mesh.size for others in boxes]
+        alike = [other.mesh.vertices for other, same in zip(panels, near, strict=True) if same and other.view == panel.view]
         cameras.append(Camera.named(panel.view, np.concatenate(alike), aspect=size[0] / size[1]))
     return cameras
-
-
-def _draw_panel(axes: Axes, panel: Panel, camera: Camera, scale: Scale | None, device: str) -> None:
-    width, height = _pixels(axes)
-    field = None if panel.values is None or scale is None else Field(panel.values, scale)
-    picture = render(panel.mesh, camera=camera, width=width, height=height, field=field, device=device)
-    axes.imshow(picture, interpolation="none", extent=(0, width, height, 0), aspect="auto")
-    axes.set_axis_off()
-    _shorten(axes.text(0, -10, panel.title, size=11, weight="bold", color=INK, va="bottom"), width)
-    _shorten(axes.text(0, height + 4, panel.note, size=9.5, color=FAINT, va="top"), width)
-    if field is not None and panel.unit:
-        _mark_extremes(axes, panel, camera)
 
 
 def _shorten(text: Text, width: int) -> None:
@@ -239,24 +214,18 @@ def _mark_extremes(axes: Axes, panel: Panel, camera: Camera) -> None:
             axes.plot(x, y, marker, ms=size + 2, mfc="none", mec=edge, mew=wide, alpha=faint)
         words = f"{kind} {values[vertex]:.3g}{' ' + panel.unit if panel.unit else ''}"
         words = f"{panel.most if panel.most and kind == 'max' else words}{' (far side)' if hidden else ''}"
-        taken.append(_write_beside(axes, (x, y), words, "bold" if kind == "max" else "normal", taken))
-
-
-def _write_beside(axes: Axes, at: tuple[float, float], words: str, weight: str, taken: Sequence[Bbox]) -> Bbox:
-    """Words next to a mark, towards the middle of the panel and clear of what is taken if they can be; the box they fill."""
-    (width, height), (x, y) = _pixels(axes), at
-    right = x < width / 2
-    inwards = -1 if y < height / 2 else 1
-    label = axes.annotate(words, at, xytext=(0, 0), textcoords="offset points", size=9, color=INK, weight=weight)
-    label.set_horizontalalignment("left" if right else "right")
-    label.set_path_effects([withStroke(linewidth=3.0, foreground="white", alpha=0.85)])
-    for up in (7 * inwards, -7 * inwards, 22 * inwards, -22 * inwards):
-        label.set_verticalalignment("bottom" if up > 0 else "top")
-        label.xyann = (9 if right else -9, up)
-        box: Bbox = label.get_window_extent()
-        if not any(box.overlaps(other) for other in taken):
-            break
-    return box
+        # Next to the mark, towards the middle of the panel and clear of other words if they can be.
+        right, inwards = x < width / 2, -1 if y < height / 2 else 1
+        label = axes.annotate(words, (x, y), xytext=(0, 0), textcoords="offset points", size=9, color=INK)
+        label.set(weight="bold" if kind == "max" else "normal", horizontalalignment="left" if right else "right")
+        label.set_path_effects([withStroke(linewidth=3.0, foreground="white", alpha=0.85)])
+        for up in (7 * inwards, -7 * inwards, 22 * inwards, -22 * inwards):
+            label.set_verticalalignment("bottom" if up > 0 else "top")
+            label.xyann = (9 if right else -9, up)
+            box: Bbox = label.get_window_extent()
+            if not any(box.overlaps(other) for other in taken):
+                break
+        taken.append(box)
 
 
 def _draw_bar(axes: Axes, label: str, unit: str, scale: Scale, judged: float | None) -> None:

@@ -42,13 +42,9 @@ def _last_pixel(high: wp.int64, step: wp.int64, count: int) -> int:
 
 @wp.kernel
 def draw(
-    points: wp.array2d(dtype=wp.int64),
-    inverse_depth: wp.array(dtype=wp.float64),
-    faces: wp.array2d(dtype=wp.int32),
-    size: wp.vec3i,
-    scale: wp.vec2d,
-    nearest: wp.array(dtype=wp.int64),
-) -> None:
+    points: wp.array2d(dtype=wp.int64), inverse_depth: wp.array(dtype=wp.float64), faces: wp.array2d(dtype=wp.int32), size: wp.vec3i,
+    scale: wp.vec2d, nearest: wp.array(dtype=wp.int64),
+) -> None:  # fmt: skip
     """One thread per view and face.
 
     `size` is (points per view, height, width), `scale` (sub-pixels, 1 to skip back faces).
@@ -94,16 +90,10 @@ def draw(
 
 @wp.kernel
 def resolve(
-    points: wp.array2d(dtype=wp.int64),
-    inverse_depth: wp.array(dtype=wp.float64),
-    faces: wp.array2d(dtype=wp.int32),
-    size: wp.vec3i,
-    scale: wp.vec2d,
-    nearest: wp.array(dtype=wp.int64),
-    face_seen: wp.array(dtype=wp.int32),
-    weights: wp.array(dtype=wp.vec3),
+    points: wp.array2d(dtype=wp.int64), inverse_depth: wp.array(dtype=wp.float64), faces: wp.array2d(dtype=wp.int32), size: wp.vec3i,
+    scale: wp.vec2d, nearest: wp.array(dtype=wp.int64), face_seen: wp.array(dtype=wp.int32), weights: wp.array(dtype=wp.vec3),
     depth: wp.array(dtype=wp.float32),
-) -> None:
+) -> None:  # fmt: skip
     """One thread per pixel: unpack the nearest face and weigh its corners."""
     pixel = wp.tid()
     face_seen[pixel] = -1
@@ -161,16 +151,9 @@ def _pixel(line: int, place: int, along: int, width: int) -> int:
 
 @wp.func
 def _offer(
-    points: wp.array2d(dtype=wp.int64),
-    inverse_depth: wp.array(dtype=wp.float64),
-    edge: wp.vec4i,
-    along: int,
-    view: int,
-    size: wp.vec3i,
-    step: wp.int64,
-    nearest: wp.array(dtype=wp.int64),
-    parting: wp.array2d(dtype=wp.int64),
-) -> None:
+    points: wp.array2d(dtype=wp.int64), inverse_depth: wp.array(dtype=wp.float64), edge: wp.vec4i, along: int, view: int, size: wp.vec3i,
+    step: wp.int64, nearest: wp.array(dtype=wp.int64), parting: wp.array2d(dtype=wp.int64),
+) -> None:  # fmt: skip
     """Offer an edge (number, two ends, inner side) to all pairs of pixels it passes between, on rows (along 1) or on columns (along 0)."""
     a = edge[1]
     b = edge[2]
@@ -204,14 +187,9 @@ def _offer(
 
 @wp.kernel
 def part(
-    points: wp.array2d(dtype=wp.int64),
-    inverse_depth: wp.array(dtype=wp.float64),
-    edges: wp.array2d(dtype=wp.int32),
-    size: wp.vec3i,
-    step: wp.int64,
-    nearest: wp.array(dtype=wp.int64),
-    parting: wp.array2d(dtype=wp.int64),
-) -> None:
+    points: wp.array2d(dtype=wp.int64), inverse_depth: wp.array(dtype=wp.float64), edges: wp.array2d(dtype=wp.int32), size: wp.vec3i,
+    step: wp.int64, nearest: wp.array(dtype=wp.int64), parting: wp.array2d(dtype=wp.int64),
+) -> None:  # fmt: skip
     """One thread per view and edge: record the edge where an outline passes between the centres of two neighbouring pixels.
 
     An edge is of the outline where both its faces lie on one side of it in the picture. What lies outside it must be farther than the
@@ -236,12 +214,9 @@ def part(
 
 @wp.kernel
 def add_rows(
-    rows: wp.array2d(dtype=wp.float32),
-    index: wp.array2d(dtype=wp.int64),
-    weights: wp.array2d(dtype=wp.float32),
-    steps: wp.array(dtype=wp.float64),
-    sums: wp.array2d(dtype=wp.int64),
-) -> None:
+    rows: wp.array2d(dtype=wp.float32), index: wp.array2d(dtype=wp.int64), weights: wp.array2d(dtype=wp.float32),
+    steps: wp.array(dtype=wp.float64), sums: wp.array2d(dtype=wp.int64),
+) -> None:  # fmt: skip
     """One thread per row and column: add the weighted value, in whole steps (`steps` of them make 1), to all rows its indices name."""
     i, k = wp.tid()
     for j in range(index.shape[1]):

@@ -63,22 +63,12 @@ def field_panel(
     )  # fmt: skip
 
 
-def verdict_note(verdict: Verdict) -> str:
-    """A verdict in the line under a picture of the test that decides it."""
-    return sentences.note(verdict)
-
-
 def checkpoint_panels(
     original: SurfaceMesh, state: Checkpoint, recipe: Recipe, measured: Verdict | None, measured_at: int | None
 ) -> list[Panel]:
-    """Styled look, stress of the last test that gave an answer and mask, side by side.
+    """Styled look, stress of the last test that gave an answer, and mask of a checkpoint, side by side.
 
-    Args:
-        original: The unstylized surface.
-        state: What to show.
-        recipe: Its recipe.
-        measured: The verdict of that test, None if none gave an answer.
-        measured_at: Its iteration, None as for `measured`; if a later one failed, the picture says so.
+    `measured` is the verdict of that test, at an iteration, None if none gave an answer; if a later one failed, the picture says so.
     """
     from mechstyle.pictures.figure import Panel  # noqa: PLC0415 — as above
 
@@ -87,20 +77,14 @@ def checkpoint_panels(
     row = None if measured is None else measured.deciding
     note = "" if row is None else sentences.figures(row)
     if state.verdict is not None:
-        note = verdict_note(state.verdict)
+        note = sentences.note(state.verdict)
     elif measured_at != state.simulated_at:
         note = f"UNKNOWN: the later test at iteration {state.simulated_at} gave no answer"
     stress = fields.quantities(recipe, measured)[0]
     return [
-        Panel(styled, f"“{recipe.style.prompt}”"),
-        field_panel(styled, stress, stress.of(state), title=f"stress{when}", note=note),
-        field_panel(
-            styled,
-            fields.RESTRAINT,
-            fields.RESTRAINT.of(state),
-            note=f"{state.restrained.mean():.0%} restrained",
-        ),
-    ]
+        Panel(styled, f"“{recipe.style.prompt}”"), field_panel(styled, stress, stress.of(state), title=f"stress{when}", note=note),
+        field_panel(styled, fields.RESTRAINT, fields.RESTRAINT.of(state), note=f"{state.restrained.mean():.0%} restrained"),
+    ]  # fmt: skip
 
 
 def chosen_panels(styled: SurfaceMesh, found: Sequence[Known], wanted: Sequence[str]) -> list[Panel]:
@@ -135,12 +119,9 @@ def picture(panels: Sequence[Panel], *, title: str = "", columns: int | None = N
 
 
 def comparison(original: SurfaceMesh, start: Checkpoint, finals: Sequence[tuple[str, Checkpoint, Recipe]]) -> Picture:
-    """The plain part beside several results of one prompt: look above, stress of the test that decides below and from underneath.
+    """The plain part next to several results of one prompt: look above, stress of the test that decides below and from underneath.
 
-    Args:
-        original: The unstylized surface.
-        start: Its checkpoint.
-        finals: Name, last checkpoint and recipe of each result.
+    Each result has a name, its last checkpoint and its recipe; `start` is the checkpoint of the plain part.
     """
     from mechstyle.pictures.figure import Panel  # noqa: PLC0415 — as above
 
@@ -152,7 +133,7 @@ def comparison(original: SurfaceMesh, start: Checkpoint, finals: Sequence[tuple[
         styled = original.displaced(state.displacement).coloured(state.colour)
         rows[0].append(Panel(styled, name))
         for row, view, title in ((1, "three_quarter", "stress"), (2, "below", "from below")):
-            note = verdict_note(state.verdict) if row == 1 and state.verdict is not None else ""
+            note = sentences.note(state.verdict) if row == 1 and state.verdict is not None else ""
             panel = field_panel(styled, stress, stress.of(state), title=title, note=note, view=view)
             rows[row].append(replace(panel, limits=(0.0, highest)))
     return picture([panel for row in rows for panel in row], title=f"“{finals[0][2].style.prompt}”", columns=len(shown))

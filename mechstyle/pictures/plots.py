@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -15,7 +14,7 @@ from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
 from mechstyle.errors import BadInput
-from mechstyle.pictures.figure import DPI, FAINT, INK
+from mechstyle.pictures.figure import DPI, FAINT, INK, png_of
 from mechstyle.pictures.scene import BACKGROUND
 
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#7a7a80")
@@ -28,54 +27,28 @@ WIDTH, HEIGHT = 9.0, 2.35
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """A line in a plot.
+    """A line in a plot."""
 
-    Attributes:
-        label: What it is.
-        x: Where it is known, ascending, shape [points].
-        y: Its values, shape [points].
-        stepped: Whether a value holds from the point before up to its own, as a maximum since then does.
-    """
-
-    label: str
-    x: ArrayLike
-    y: ArrayLike
-    stepped: bool = False
+    label: str  # what it is
+    x: ArrayLike  # where it is known, ascending, shape [points]
+    y: ArrayLike  # its values, shape [points]
+    stepped: bool = False  # whether a value holds from the point before up to its own, as a maximum since then does
 
 
 @dataclass(frozen=True, eq=False)
 class Plot:
-    """Curves over one axis.
+    """Curves over one axis."""
 
-    Attributes:
-        title: What is shown.
-        unit: Unit of the values.
-        curves: At least one.
-        limit: A value to be marked across, with its name; None for none.
-        mark: A point to be marked, as x and y; None for none.
-        words: What there is to say about it, after the title.
-    """
-
-    title: str
-    unit: str
-    curves: Sequence[Curve]
-    limit: tuple[float, str] | None = None
-    mark: tuple[float, float] | None = None
-    words: str = ""
+    title: str  # what is shown
+    unit: str  # unit of the values
+    curves: Sequence[Curve]  # at least one
+    limit: tuple[float, str] | None = None  # a value to be marked across, with its name; None for none
+    mark: tuple[float, float] | None = None  # a point to be marked, as x and y; None for none
+    words: str = ""  # what there is to say about it, after the title
 
 
 def plots_png(plots: Sequence[Plot], *, x_label: str, title: str = "", note: str = "") -> bytes:
-    """Plots above each other over a common axis, as the bytes of a PNG file.
-
-    Args:
-        plots: From top to bottom, at least one.
-        x_label: Name and unit of the common axis.
-        title: Over all plots.
-        note: What there is to say below all plots.
-
-    Raises:
-        BadInput: No plots.
-    """
+    """Plots, at least one, above each other over a common axis with a title and a note below, as the bytes of a PNG file."""
     if not plots:
         raise BadInput("a figure needs at least one plot")
     sheet = Figure(figsize=(WIDTH, HEIGHT * len(plots) + 1.1), dpi=DPI, facecolor=BACKGROUND, layout="constrained")
@@ -88,9 +61,7 @@ def plots_png(plots: Sequence[Plot], *, x_label: str, title: str = "", note: str
     rows[-1].set_xlabel(x_label, size=10, color=INK)
     if note:
         sheet.supxlabel(textwrap.fill(note, 120), size=9.5, color=FAINT, x=0.01, ha="left")
-    buffer = io.BytesIO()
-    sheet.savefig(buffer, format="png", dpi=DPI, facecolor=sheet.get_facecolor(), metadata={"Software": "MechStyle"})
-    return buffer.getvalue()
+    return png_of(sheet)
 
 
 def _draw(axes: Axes, plot: Plot) -> None:

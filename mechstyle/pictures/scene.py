@@ -26,28 +26,16 @@ BACKGROUND = (0.965, 0.965, 0.96)  # sRGB
 
 @dataclass(frozen=True, eq=False)
 class Field:
-    """Values over the vertices and how they are coloured.
+    """Values over the vertices and how they are coloured."""
 
-    Attributes:
-        values: The field [any unit], shape [vertex_count].
-        scale: Its colours.
-    """
-
-    values: NDArray[np.floating]
-    scale: Scale
+    values: NDArray[np.floating]  # the field [any unit], shape [vertex_count]
+    scale: Scale  # its colours
 
 
 def render(
-    mesh: SurfaceMesh,
-    *,
-    camera: Camera,
-    width: int = 480,
-    height: int = 480,
-    colours: ArrayLike | None = None,
-    field: Field | None = None,
-    supersampling: int = 3,
-    device: str = "cpu",
-) -> NDArray[np.uint8]:
+    mesh: SurfaceMesh, *, camera: Camera, width: int = 480, height: int = 480, colours: ArrayLike | None = None, field: Field | None = None,
+    supersampling: int = 3, device: str = "cpu",
+) -> NDArray[np.uint8]:  # fmt: skip
     """A shaded picture of a surface, row 0 at the top.
 
     Args:
@@ -135,6 +123,7 @@ def _averaged(samples: NDArray[np.float32], count: int) -> NDArray[np.float32]:
 
 
 Image = NDArray[np.float32]
+CELLS = 160  # of the floor on each side of the square that a shadow falls on
 
 # Lamps in camera axes (right, up, towards the viewer) and their intensities; a face turned to the key gets about 1.
 KEY, KEY_LIGHT = (-0.55, 0.65, 0.52), 0.72
@@ -144,15 +133,10 @@ FLATNESS = 0.35  # share of the light on a coloured field that does not depend o
 
 
 def corner_normals(mesh: SurfaceMesh, crease: float = 40.0, faces: NDArray[np.integer] | None = None) -> NDArray[np.float64]:
-    """Unit normals per face corner, shape [face_count, 3, 3].
+    """Unit normals per corner of all faces, or of some: a picture shows a third of them; shape [face_count, 3, 3].
 
     Each is the angle-weighted mean over the faces around the vertex that turn by less than `crease` [degrees] against the corner's own
     face, so that smooth parts shade smoothly and edges stay crisp.
-
-    Args:
-        mesh: The surface.
-        crease: From which turn on an edge is one [degrees].
-        faces: Those whose corners are wanted, shape [k]: a picture shows a third of them. All by default.
     """
     vertex = mesh.faces.ravel()
     order = np.argsort(vertex, kind="stable")
@@ -187,12 +171,7 @@ def lit(normals: Image, camera: Camera) -> Image:
 
 
 def hollows(depth: Image, size: float) -> Image:
-    """Darkening of places that lie behind their surroundings, in [0, 1] (unsharp-masked depth; Luft et al. 2006).
-
-    Args:
-        depth: Depth per pixel [mm], infinite for background, shape [height, width].
-        size: Size of the part [mm].
-    """
+    """Darkening of places behind their surroundings by depth per pixel [mm], in [0, 1] (unsharp-masked depth; Luft et al. 2006)."""
     seen = np.isfinite(depth)
     dark = np.zeros_like(depth)
     for share, strength in ((0.008, 14.0), (0.035, 5.0)):
@@ -214,21 +193,14 @@ def floor_shadow(mesh: SurfaceMesh, camera: Camera, width: int, height: int) -> 
     spots = camera.eye[:2] + reach[..., None] * rays[..., :2]
     middle = 0.5 * (mesh.vertices.min(axis=0) + mesh.vertices.max(axis=0))[:2]
     half = 0.9 * float(mesh.extents[:2].max()) + 0.15 * mesh.size
-    dark = _footprint(mesh, middle, half, floor)
+    # Darkness of the floor in a square around the part, seen from so far below that the view is parallel; row 0 at low y.
+    away, cell, plane = 1e3 * mesh.size, 2 * half / CELLS, (mesh.vertices[:, :2] - middle) / half
+    seen = visible(np.column_stack([plane[:, 0], -plane[:, 1], mesh.vertices[:, 2] - floor + away]), mesh.faces, CELLS, CELLS)
+    cover = np.exp(-np.maximum(seen.depth - away, 0.0) / (0.12 * mesh.size))
+    near, wide = (gaussian_filter(cover, share * mesh.size / cell, mode="constant") for share in (0.012, 0.06))
+    dark = np.asarray(0.30 * near + 0.32 * wide, dtype=np.float32)
     cells = ((spots - middle) / half + 1.0) * (0.5 * len(dark)) - 0.5
     shadow = map_coordinates(dark, [cells[..., 1], cells[..., 0]], order=1, cval=0.0, prefilter=False)
     # Falling to nothing over the outer tenth of the picture, so that it never ends at its border.
     across, down = (np.clip(5.0 - np.abs(np.linspace(-5.0, 5.0, count)), 0.0, 1.0) for count in (width, height))
     return np.asarray(shadow * np.outer(down, across).astype(np.float32), dtype=np.float32)
-
-
-def _footprint(mesh: SurfaceMesh, middle: NDArray[np.float64], half: float, floor: float, cells: int = 160) -> Image:
-    """Darkness of the floor in a square of half-width `half` [mm] around `middle`, shape [cells, cells], row 0 at low y."""
-    away = 1e3 * mesh.size  # seen from so far below that the view is parallel
-    plane = (mesh.vertices[:, :2] - middle) / half
-    seen = visible(np.column_stack([plane[:, 0], -plane[:, 1], mesh.vertices[:, 2] - floor + away]), mesh.faces, cells, cells)
-    height = seen.depth - away
-    cover = np.exp(-np.maximum(height, 0.0) / (0.12 * mesh.size))
-    cell = 2 * half / cells
-    near, wide = (gaussian_filter(cover, share * mesh.size / cell, mode="constant") for share in (0.012, 0.06))
-    return np.asarray(0.30 * near + 0.32 * wide, dtype=np.float32)

@@ -23,17 +23,11 @@ GUARD = 1 << 16  # pixels beyond which a face is dropped: products of two coordi
 
 @dataclass(frozen=True, eq=False)
 class Visibility:
-    """The visible face of each pixel, row 0 at the top.
+    """The visible face of each pixel, row 0 at the top."""
 
-    Attributes:
-        face: Index of the nearest face, -1 for none, shape [..., height, width], int32.
-        barycentrics: Perspective-correct weights of its corners, zero for none, shape [..., height, width, 3], float32.
-        depth: Depth there, infinite for none, shape [..., height, width], float32, in the unit of the input.
-    """
-
-    face: NDArray[np.int32]
-    barycentrics: NDArray[np.float32]
-    depth: NDArray[np.float32]
+    face: NDArray[np.int32]  # index of the nearest face, -1 for none, shape [..., height, width], int32
+    barycentrics: NDArray[np.float32]  # perspective-correct weights of its corners, zero for none, shape [..., height, width, 3], float32
+    depth: NDArray[np.float32]  # depth there, infinite for none, shape [..., height, width], float32, in the unit of the input
 
 
 def visible(points_ndc: ArrayLike, faces: ArrayLike, width: int, height: int, *, cull: bool = False, device: str = "cpu") -> Visibility:
@@ -75,10 +69,9 @@ def visible(points_ndc: ArrayLike, faces: ArrayLike, width: int, height: int, *,
         wp.launch(kernels.draw, dim=math.prod(views) * len(triangles), inputs=inputs)
         wp.launch(kernels.resolve, dim=math.prod(shape), inputs=[*inputs, seen, weights, depth])
         return Visibility(
-            face=seen.numpy().reshape(shape),
-            barycentrics=weights.numpy().reshape(*shape, 3),
+            face=seen.numpy().reshape(shape), barycentrics=weights.numpy().reshape(*shape, 3),
             depth=(depth.numpy() * np.float32(near)).reshape(shape),
-        )
+        )  # fmt: skip
 
 
 def _device(name: str) -> Any:

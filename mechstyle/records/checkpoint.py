@@ -16,11 +16,7 @@ RESTRAINED_BELOW = 0.5
 
 
 def restrained(mask: NDArray[np.float32]) -> NDArray[np.bool_]:
-    """Whether each vertex counts as restrained, shape [vertex_count].
-
-    Args:
-        mask: Factor on further movement in [0, 1], shape [vertex_count].
-    """
+    """Whether each vertex counts as restrained by its mask, shape [vertex_count]."""
     return mask < RESTRAINED_BELOW
 
 
@@ -67,7 +63,6 @@ class Checkpoint:
     keyframe: dict[str, NDArray[np.float32]] | None = None
 
     def __post_init__(self) -> None:
-        """Freeze the fields over the surface."""
         count = len(self.displacement)
         for field in fields(self):
             value: Any = getattr(self, field.name)

@@ -15,15 +15,7 @@ faces, edges and corners of the smallest box around it, a corner with its edges 
 
 
 class Standard(msgspec.Struct, frozen=True, kw_only=True):
-    """Landings and height after a standard.
-
-    Attributes:
-        title: The standard with its clause, as it is cited.
-        poses: One of POSES.
-        orientations: Drops, flat counted as the first.
-        height: Height of fall [mm].
-        departs: What is not as the standard has it, in one sentence.
-    """
+    """Landings and height of fall [mm] after a standard, cited with its clause; `departs` says what is not as the standard has it."""
 
     title: str
     poses: str

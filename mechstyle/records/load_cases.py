@@ -50,7 +50,6 @@ class Patch(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
     angle: float = 20.0
 
     def __post_init__(self) -> None:
-        """Refuse patches that are none, several, or cannot be."""
         given = [shape for shape in SHAPES if getattr(self, shape) is not None]
         if len(given) != 1:
             raise BadInput(f"a patch is one of {', '.join(SHAPES)}, not {' and '.join(given) or 'nothing'}")
@@ -133,7 +132,6 @@ class Load(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     direction: tuple[float, float, float] = (0.0, 0.0, -1.0)
 
     def __post_init__(self) -> None:
-        """Refuse loads that are none, several, nowhere or zero; take a region for the patch it is."""
         _take_region(self)
         given = [effect for effect in EFFECTS if getattr(self, effect) is not None]
         if len(given) != 1:
@@ -164,7 +162,6 @@ class LoadCase(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     loads: tuple[Load, ...]
 
     def __post_init__(self) -> None:
-        """Refuse a case without a name, supports or loads."""
         if not self.name.strip():
             raise BadInput("a load case needs a name, such as 'hand on the rim'")
         for what in ("supports", "loads"):
@@ -188,7 +185,7 @@ def read_loads(path: str | Path) -> tuple[LoadCase, ...]:
         raise BadInput(f"load file {file}: unknown key {others[0]!r}; a load file holds [[case]] tables only")
     if not isinstance(cases, list) or not cases:
         raise BadInput(f"load file {file} has no load case: begin one with [[case]]")
-    return _distinct(tuple(_case(case, f"load file {file}", number) for number, case in enumerate(cases, start=1)), f"load file {file}")
+    return _cases(cases, f"load file {file}")
 
 
 def load_cases(loads: str | Path | LoadCase | Sequence[LoadCase]) -> tuple[LoadCase, ...]:
@@ -198,33 +195,28 @@ def load_cases(loads: str | Path | LoadCase | Sequence[LoadCase]) -> tuple[LoadC
     given = [loads] if isinstance(loads, LoadCase) else list(loads)
     if not all(isinstance(case, LoadCase) for case in given):
         raise BadInput("loads must be a load file or a list of LoadCase")
-    return _distinct(tuple(_case(msgspec.to_builtins(case), "loads", number) for number, case in enumerate(given, start=1)), "loads")
+    return _cases([msgspec.to_builtins(case) for case in given], "loads")
 
 
-def _case(table: Any, source: str, number: int) -> LoadCase:
-    name = table.get("name") if isinstance(table, dict) else None
-    try:
-        return msgspec.convert(table, LoadCase)
-    except (msgspec.ValidationError, BadInput) as error:
-        label = repr(name) if isinstance(name, str) and name else f"number {number}"
-        raise BadInput(f"{source}, case {label}: {_in_words(str(error))}") from error
-
-
-def _in_words(complaint: str) -> str:
-    """A complaint of the parser without its dollar signs, and with what a place may be where that was it."""
-    words = complaint.replace(" - at `$.", " at `").replace("Object missing", "it is missing").replace("Object contains", "it contains")
-    if words.endswith(".at`"):
-        words += f"; a place is {RESTING_FACE!r} or a table of one of {', '.join(SHAPES)}"
-    return words
-
-
-def _distinct(cases: tuple[LoadCase, ...], source: str) -> tuple[LoadCase, ...]:
-    """The cases, unless two have one name: a verdict could not say which it means."""
+def _cases(tables: Sequence[Any], source: str) -> tuple[LoadCase, ...]:
+    """Load cases from what a file holds; BadInput names the case that cannot be read."""
+    cases = list[LoadCase]()
+    for number, table in enumerate(tables, start=1):
+        try:
+            cases.append(msgspec.convert(table, LoadCase))
+        except (msgspec.ValidationError, BadInput) as error:
+            name = table.get("name") if isinstance(table, dict) else None
+            label = repr(name) if isinstance(name, str) and name else f"number {number}"
+            words = str(error).replace(" - at `$.", " at `")  # the parser's sign for the table
+            words = words.replace("Object missing", "it is missing").replace("Object contains", "it contains")
+            if words.endswith(".at`"):
+                words += f"; a place is {RESTING_FACE!r} or a table of one of {', '.join(SHAPES)}"
+            raise BadInput(f"{source}, case {label}: {words}") from error
     names = [case.name for case in cases]
     twice = next((name for name in names if names.count(name) > 1), None)
-    if twice is not None:
+    if twice is not None:  # a verdict could not say which it means
         raise BadInput(f"{source}: two cases are called {twice!r}; give each its own name")
-    return cases
+    return tuple(cases)
 
 
 def _take_region(record: Support | Load) -> None:

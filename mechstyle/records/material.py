@@ -82,12 +82,8 @@ def _mismatch(material: Material) -> str:
     share = f"yield_strength is {strength:g} MPa and youngs_modulus {young:g} MPa, so it would yield at a strain of {strength / young:.2g}"
     usual_low, usual_high = USUAL_STRAIN[elastomer]
     stiffest = USUAL["youngs_modulus"][1] if not elastomer else 2e3
-    for field, factor, unit in (
-        ("youngs_modulus", 1e3, "GPa"),
-        ("yield_strength", 6.894757e-3, "psi"),
-        ("yield_strength", 1e-3, "kPa"),
-        ("yield_strength", 1e3, "GPa"),
-    ):
+    strengths = ((6.894757e-3, "psi"), (1e-3, "kPa"), (1e3, "GPa"))
+    for field, factor, unit in (("youngs_modulus", 1e3, "GPa"), *(("yield_strength", *other) for other in strengths)):
         changed = {"youngs_modulus": young, "yield_strength": strength} | {field: getattr(material, field) * factor}
         strain = changed["yield_strength"] / changed["youngs_modulus"]
         if usual_low <= strain <= usual_high and changed["youngs_modulus"] <= stiffest:
@@ -129,8 +125,7 @@ class Material(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
             if value is not None and not low <= value <= high:
                 range_ = f"must lie in {low:g} to {high:g} {unit}".rstrip()
                 raise BadInput(f"material {self.name!r}: {field} is {value:g}, but {range_}{_likely(field, value)}")
-        doubt = _mismatch(self)
-        if doubt:
+        if doubt := _mismatch(self):
             raise BadInput(f"material {self.name!r}: {doubt}")
 
     @property
@@ -166,79 +161,42 @@ LIBRARY: dict[str, Material] = {
     material.name: material
     for material in (
         Material(
-            name="PLA",
-            youngs_modulus=3500.0,
-            poisson_ratio=0.36,
-            density=1.24e-3,
-            yield_strength=45.6,
+            name="PLA", youngs_modulus=3500.0, poisson_ratio=0.36, density=1.24e-3, yield_strength=45.6, layer_ratio=0.55,
             source="Faruqi et al. 2025 (MechStyle), doi 10.1145/3745778.3766655",
-            layer_ratio=0.55,
             layer_source="0.50 and 0.53 in two Polymaker data sheets (TDS V5.3 and V5.4), 0.5 to 0.7 in printing guides",
         ),
         Material(
-            name="PETG",
-            youngs_modulus=2200.0,
-            poisson_ratio=0.38,
-            density=1.27e-3,
-            yield_strength=50.0,
+            name="PETG", youngs_modulus=2200.0, poisson_ratio=0.38, density=1.27e-3, yield_strength=50.0, ductile=True, layer_ratio=0.6,
             source="typical value, E 2.2 GPa as MakeItFrom tabulates PETG, strength midway in 44 to 56 MPa reported for flat prints",
-            ductile=True,
-            layer_ratio=0.6,
             layer_source="25 to 38 MPa across, 44 to 56 MPa along layers, additive.tools",
         ),
         Material(
-            name="ABS",
-            youngs_modulus=2413.0,
-            poisson_ratio=0.35,
-            density=1.04e-3,
-            yield_strength=33.0,
+            name="ABS", youngs_modulus=2413.0, poisson_ratio=0.35, density=1.04e-3, yield_strength=33.0,
             source="Stratasys, Fortus ABS-M30 white paper: E (ASTM D638), tensile strength for yield (ISO 527); ρ and ν typical value",
         ),
         Material(
-            name="PA12",
-            youngs_modulus=1650.0,
-            poisson_ratio=0.40,
-            density=0.93e-3,
-            yield_strength=48.0,
+            name="PA12", youngs_modulus=1650.0, poisson_ratio=0.40, density=0.93e-3, yield_strength=48.0, ductile=True, layer_ratio=1.0,
             source="sintered EOS PA 2200: density (safety data sheet), tensile strength for yield (data sheet); E and ν typical value",
-            ductile=True,
-            layer_ratio=1.0,
             layer_source="48 MPa in both directions, HP PA 12 data sheet (Multi Jet Fusion)",
         ),
         Material(
-            name="TPU",
-            youngs_modulus=26.0,
-            poisson_ratio=0.48,
-            density=1.22e-3,
-            yield_strength=8.6,
+            name="TPU", youngs_modulus=26.0, poisson_ratio=0.48, density=1.22e-3, yield_strength=8.6, ductile=True, layer_ratio=0.6,
             source="typical value, thermoplastic polyurethane of 95 Shore A; it has no sharp yield",
-            ductile=True,
-            layer_ratio=0.6,
             layer_source="12 to 24 MPa across, 22 to 36 MPa along layers, 95 Shore A, additive.tools",
         ),
         Material(
-            name="Vero",
-            youngs_modulus=2250.0,
-            poisson_ratio=0.38,
-            density=1.17e-3,
-            yield_strength=47.5,
+            name="Vero", youngs_modulus=2250.0, poisson_ratio=0.38, density=1.17e-3, yield_strength=47.5, layer_ratio=1.0,
             source="Stratasys Vero (PolyJet), middle of E 2000 to 2500 MPa and tensile strength 40 to 55 MPa tabulated in PMC10406103; "
             "density and ν typical value",
-            layer_ratio=1.0,
             layer_source="assumed: layers cure into each other",
         ),
         Material(
-            name="Resin",
-            youngs_modulus=2500.0,
-            poisson_ratio=0.38,
-            density=1.18e-3,
-            yield_strength=50.0,
+            name="Resin", youngs_modulus=2500.0, poisson_ratio=0.38, density=1.18e-3, yield_strength=50.0, layer_ratio=1.0,
             source="typical value, standard stereolithography resin, post-cured: tensile strength 38 to 65 MPa, hardly any yield",
-            layer_ratio=1.0,
             layer_source="assumed: layers cure into each other",
         ),
     )
-}
+}  # fmt: skip
 
 SPREAD: Mapping[str, str] = {
     "PLA": "strength 23 to 65 MPa, E 2.0 to 3.5 GPa by brand",

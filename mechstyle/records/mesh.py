@@ -61,7 +61,6 @@ class SurfaceMesh:
     colours: NDArray[np.float32] | None = None
 
     def __post_init__(self) -> None:
-        """Freeze the arrays; a face that names no vertex raises ValueError."""
         object.__setattr__(self, "vertices", frozen_array(self.vertices, np.float64, (None, 3), "vertices"))
         object.__setattr__(self, "faces", frozen_array(self.faces, np.int32, (None, 3), "faces"))
         if self.colours is not None:
@@ -220,7 +219,6 @@ class TetMesh:
     tets: Indices
 
     def __post_init__(self) -> None:
-        """Freeze the arrays; a tetrahedron that names no vertex raises ValueError."""
         object.__setattr__(self, "vertices", frozen_array(self.vertices, np.float64, (None, 3), "vertices"))
         object.__setattr__(self, "tets", frozen_array(self.tets, np.int32, (None, 4), "tets"))
         if self.tets.size and not (self.tets.min() >= 0 and self.tets.max() < len(self.vertices)):
@@ -279,14 +277,7 @@ STEEPEST = np.cos(np.radians(5.0))
 
 
 def in_box(points: Floats, low: ArrayLike, high: ArrayLike, *, margin: float = 0.0) -> Bools:
-    """Whether points, shape [..., 3], lie between two corners, the border included; all lengths in mm.
-
-    Args:
-        points: Positions.
-        low: The lowest corner.
-        high: The highest corner, which may lie in a plane with the lowest.
-        margin: How far outside still counts.
-    """
+    """Whether points, shape [..., 3], lie between the lowest and the highest corner, or no more than a margin outside; lengths in mm."""
     return np.asarray(((points >= np.asarray(low) - margin) & (points <= np.asarray(high) + margin)).all(axis=-1))
 
 

@@ -51,8 +51,7 @@ class Chapter(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """Settings without an option of their own on the command line: they are given with --set."""
 
     def __post_init__(self) -> None:
-        """Refuse unknown names and values out of range, each in one sentence."""
-        values = {name: getattr(self, attribute) for name, attribute in self.attributes().items()}
+        values = {name: getattr(self, own) for name, own in zip(self.__struct_encode_fields__, self.__struct_fields__, strict=True)}
         for name, known in self.CHOICES.items():
             if values[name] not in known:
                 raise unknown(name, str(values[name]), known)
@@ -60,11 +59,6 @@ class Chapter(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
             value = values[name]
             if value is not None and not low <= value <= high:
                 raise BadInput(f"{name.replace('_', ' ')} is {value:g}, but must lie between {low:g} and {high:g}")
-
-    @classmethod
-    def attributes(cls) -> dict[str, str]:
-        """The attribute of each setting, by the setting's name."""
-        return dict(zip(cls.__struct_encode_fields__, cls.__struct_fields__, strict=True))
 
 
 class Specimen(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -104,21 +98,13 @@ class Style(Chapter, frozen=True, kw_only=True):
     """
 
     CHOICES: ClassVar[Choices] = {
-        "guidance": GUIDANCES,
-        "field": FIELDS,
-        "side": SIDES,
-        "image_as": MOTIFS,
-        "image_layout": LAYOUTS,
-        "projection": PROJECTIONS,
-    }
+        "guidance": GUIDANCES, "field": FIELDS, "side": SIDES,
+        "image_as": MOTIFS, "image_layout": LAYOUTS, "projection": PROJECTIONS,
+    }  # fmt: skip
     LIMITS: ClassVar[Limits] = {
-        "crops": (1, 16),
-        "seed": (0, 2**32 - 1),
-        "relief": (0.0, 20.0),
-        "amplitude": (0.0, 2.0),
-        "feature": (0.2, 500.0),
+        "crops": (1, 16), "seed": (0, 2**32 - 1), "relief": (0.0, 20.0), "amplitude": (0.0, 2.0), "feature": (0.2, 500.0),
         "image_size": (0.5, 2000.0),
-    }
+    }  # fmt: skip
     RARE: ClassVar = frozenset({"crops"})
 
     prompt: str
@@ -139,7 +125,6 @@ class Style(Chapter, frozen=True, kw_only=True):
     projection: str = "box"
 
     def __post_init__(self) -> None:
-        """Refuse, besides, a prompt that is too long, and a picture by anything but its digest."""
         super().__post_init__()
         check_prompt(self.prompt)
         if self.image and not re.fullmatch("[0-9a-f]{64}", self.image):
@@ -160,15 +145,8 @@ class Restraint(Chapter, frozen=True, kw_only=True):
         until_sure: Whether it is corrected as well where the part passes, but by less than the test repeats.
     """
 
-    CHOICES: ClassVar[Choices] = {
-        "control": CONTROLS,
-        "normalisation": NORMALISATIONS,
-        "base": BASES,
-        "inside": INSIDES,
-    }
-    LIMITS: ClassVar[Limits] = {
-        "threshold": (0.01, 100.0),
-    }
+    CHOICES: ClassVar[Choices] = {"control": CONTROLS, "normalisation": NORMALISATIONS, "base": BASES, "inside": INSIDES}
+    LIMITS: ClassVar[Limits] = {"threshold": (0.01, 100.0)}
     RARE: ClassVar = frozenset({"guarantee", "until_sure"})
 
     control: str = "exponential"
@@ -197,14 +175,8 @@ class Schedule(Chapter, frozen=True, kw_only=True):
         travel: Displacement since the last simulation over local thickness that triggers `geometry` and `stress`.
     """
 
-    CHOICES: ClassVar[Choices] = {
-        "schedule": SCHEDULES,
-    }
-    LIMITS: ClassVar[Limits] = {
-        "iterations": (1, 100_000),
-        "every": (1, 100_000),
-        "travel": (1e-3, 10.0),
-    }
+    CHOICES: ClassVar[Choices] = {"schedule": SCHEDULES}
+    LIMITS: ClassVar[Limits] = {"iterations": (1, 100_000), "every": (1, 100_000), "travel": (1e-3, 10.0)}
     RARE: ClassVar = frozenset({"travel"})
 
     iterations: int = 200
@@ -230,6 +202,7 @@ class StrengthTest(Chapter, frozen=True, kw_only=True):
         nearly_flat: Whether landings tilted by 3° onto the corners and sides of what the part stands on are judged, too.
         hardest_only: Whether the styled part lands only in the two nearly flat ways that are hardest for the plain part. Their critical
             heights are then estimated from one drop each, by an exponent that is usual.
+        rough: Whether drops are rougher and end sooner: steps longer, ringing shorter, and of landings that mirror each other one.
         build_direction: Direction it is printed in, x, y, z or a vector such as 0,0,1: what pulls or shears layers apart is judged by their
             own strength. None for no layers; the material must know its `layer_ratio`.
         friction: Coulomb coefficient of the floor.
@@ -240,20 +213,12 @@ class StrengthTest(Chapter, frozen=True, kw_only=True):
     """
 
     CHOICES: ClassVar[Choices] = {
-        "criterion": CRITERIA,
-        "poses": POSES,
-        "standard": ("", *STANDARDS),
-        "element": ELEMENTS,
-        "transfer": get_args(Transfer),
-    }
+        "criterion": CRITERIA, "poses": POSES, "standard": ("", *STANDARDS), "element": ELEMENTS, "transfer": get_args(Transfer),
+    }  # fmt: skip
     LIMITS: ClassVar[Limits] = {
-        "height": (1.0, 1e5),
-        "orientations": (1, 512),
-        "friction": (0.0, 2.0),
-        "window": (0.05, 50.0),
-        "damping": (0.0, 1.0),
-    }
-    RARE: ClassVar = frozenset({"hardest_only", "friction", "element", "damping", "transfer"})
+        "height": (1.0, 1e5), "orientations": (1, 512), "friction": (0.0, 2.0), "window": (0.05, 50.0), "damping": (0.0, 1.0),
+    }  # fmt: skip
+    RARE: ClassVar = frozenset({"hardest_only", "rough", "friction", "element", "damping", "transfer"})
 
     specimen: Specimen = Specimen()
     material: Material
@@ -265,6 +230,7 @@ class StrengthTest(Chapter, frozen=True, kw_only=True):
     standard: str = ""
     nearly_flat: bool = True
     hardest_only: bool = False
+    rough: bool = False
     build_direction: tuple[float, float, float] | None = None
     friction: float = 0.0
     window: float | None = None
@@ -273,7 +239,6 @@ class StrengthTest(Chapter, frozen=True, kw_only=True):
     transfer: Transfer = "barycentric"
 
     def __post_init__(self) -> None:
-        """Refuse, besides, a direction of no length, and a material whose strength across layers nobody stated."""
         super().__post_init__()
         direction = self.build_direction
         if direction is None:
@@ -321,11 +286,7 @@ class Delivery(Chapter, frozen=True, kw_only=True):
             leaves it as it is.
     """
 
-    LIMITS: ClassVar[Limits] = {
-        "nozzle": (0.0, 5.0),
-        "minimum_wall": (0.0, 100.0),
-        "strengthen": (0.0, 20.0),
-    }
+    LIMITS: ClassVar[Limits] = {"nozzle": (0.0, 5.0), "minimum_wall": (0.0, 100.0), "strengthen": (0.0, 20.0)}
 
     nozzle: float = 0.4
     minimum_wall: float = 0.8
@@ -359,15 +320,9 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
 
     @classmethod
     def of(cls, *, surface: str = "", tetrahedra: str = "", **settings: Any) -> Recipe:
-        """A recipe of flat settings: prompt and material, and what differs from the defaults.
+        """A recipe of flat settings: prompt and material, and what differs from the defaults; meshes as in `Specimen`.
 
-        Args:
-            surface: Digest of the surface, "" for any part.
-            tetrahedra: Digest of the tetrahedra, "" for any.
-            settings: By name.
-
-        Raises:
-            BadInput: If a name is unknown or a value out of range.
+        BadInput if a name is unknown or a value out of range.
         """
         given = _by_chapter(settings)
         given["test"]["specimen"] = Specimen(surface=surface, tetrahedra=tetrahedra)
@@ -398,11 +353,16 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     def differences(self, other: Recipe, *, by_figure: bool = False) -> tuple[tuple[str, Any, Any], ...]:
         """The settings that another recipe does not share: name, value here, value there.
 
-        Args:
-            other: The recipe to compare with.
-            by_figure: Whether to compare materials figure by figure, for people to read, instead of as a whole.
+        `by_figure` compares name and figures of the materials, for people to read, instead of the materials as a whole.
         """
-        here, there = (_by_figure(recipe.settings) if by_figure else recipe.settings for recipe in (self, other))
+
+        def flat(recipe: Recipe) -> dict[str, Any]:
+            found: dict[str, Any] = {}
+            for name, value in recipe.settings.items():
+                found |= msgspec.structs.asdict(value) if by_figure and name == "material" else {name: value}
+            return {name: value for name, value in found.items() if name not in ("source", "layer_source")}
+
+        here, there = flat(self), flat(other)
         return tuple((name, value, there[name]) for name, value in here.items() if value != there[name])
 
 
@@ -426,9 +386,7 @@ CHAPTER_OF: Mapping[str, str] = {name: chapter for name, (chapter, _) in _FIELDS
 TYPES: Mapping[str, Any] = {name: field.type for name, (_, field) in _FIELDS.items()}
 """Type of a setting, by setting."""
 
-DEFAULTS: Mapping[str, Any] = {
-    name: field.default for name, (_, field) in _FIELDS.items() if field.default is not msgspec.NODEFAULT
-}
+DEFAULTS: Mapping[str, Any] = {name: one.default for name, (_, one) in _FIELDS.items() if one.default is not msgspec.NODEFAULT}
 """What a setting is by default, by setting; those that every recipe must be given are not in it."""
 
 CHOICES: Choices = {name: known for kind in CHAPTERS.values() for name, known in kind.CHOICES.items()}
@@ -463,8 +421,7 @@ def _by_chapter(settings: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
 def direction_of(value: object) -> tuple[float, float, float]:
     """A direction given as x, y, z (of either sign and case), as text such as `0,0,1`, or as three numbers.
 
-    Raises:
-        BadInput: If it is none of these.
+    BadInput if it is none of these.
     """
     axes = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
     named = axes.get(value.strip().lower().lstrip("+-")) if isinstance(value, str) else None
@@ -488,12 +445,3 @@ def described(name: str) -> str:
         return ""
     sentence = " ".join(found[1].split()).partition(". ")[0].removesuffix(".") + "."
     return re.sub(r"\bone of [A-Z]+\b", f"one of {', '.join(filter(None, CHOICES.get(name, ())))}", sentence)
-
-
-def _by_figure(settings: dict[str, Any]) -> dict[str, Any]:
-    """Settings with name and figures of the material in its place, without their sources."""
-    figures: dict[str, Any] = {}
-    for name, value in settings.items():
-        figures |= msgspec.structs.asdict(value) if isinstance(value, Material) else {name: value}
-    del figures["source"], figures["layer_source"]
-    return figures

@@ -56,21 +56,16 @@ class ProtectedRegion(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
     @property
     def words(self) -> str:
         """Its notation, as after `--protect`."""
-        numbers = [f"{number:g}" for number in self._numbers]
+        kind, own = self._notation()
         ramp, colour = [f"ramp {self.ramp:g}"] if self.ramp else [], ["colour"] if self.colour else []
-        return " ".join([self._kind, *numbers, *ramp, *colour])
+        return " ".join([kind, *(f"{number:g}" for number in own), *ramp, *colour])
 
-    @property
-    def _kind(self) -> str:
-        """The first word of its notation."""
-        return str(self.__struct_config__.tag)
-
-    @property
-    def _numbers(self) -> list[float]:
-        """The numbers of its notation; a length of 0 is left to the part, and not written."""
+    def _notation(self) -> tuple[str, list[float]]:
+        """The first word of its notation, and its numbers; a length of 0 is left to the part, and not written."""
         values = [getattr(self, name) for name in self.__struct_fields__ if name not in ProtectedRegion.__struct_fields__]
         own = [value for value in values if value and not isinstance(value, str)]
-        return [number for value in own for number in (value if isinstance(value, tuple) else (value,))]
+        numbers = [number for value in own for number in (value if isinstance(value, tuple) else (value,))]
+        return str(self.__struct_config__.tag), numbers
 
 
 class Vertices(ProtectedRegion, frozen=True, tag="vertices"):
@@ -79,7 +74,6 @@ class Vertices(ProtectedRegion, frozen=True, tag="vertices"):
     indices: tuple[int, ...]
 
     def __post_init__(self) -> None:
-        """Refuse an empty list and negative numbers."""
         super().__post_init__()
         if not self.indices or min(self.indices) < 0:
             raise BadInput("a protected list of vertices must hold at least one number, and none below zero")
@@ -92,7 +86,6 @@ class Box(ProtectedRegion, frozen=True, tag="box"):
     high: Point
 
     def __post_init__(self) -> None:
-        """Refuse a box without volume."""
         super().__post_init__()
         _check_points(self.low, self.high)
         if not all(low < high for low, high in zip(self.low, self.high, strict=True)):
@@ -110,7 +103,6 @@ class Sphere(ProtectedRegion, frozen=True, tag="sphere"):
     radius: float
 
     def __post_init__(self) -> None:
-        """Refuse a sphere without volume."""
         super().__post_init__()
         _check_points(self.centre)
         if not 0.0 < self.radius < math.inf:
@@ -128,7 +120,6 @@ class HalfSpace(ProtectedRegion, frozen=True, tag="plane"):
     normal: Point
 
     def __post_init__(self) -> None:
-        """Refuse a plane without direction."""
         super().__post_init__()
         _check_points(self.point, self.normal)
         if not any(self.normal):
@@ -138,18 +129,10 @@ class HalfSpace(ProtectedRegion, frozen=True, tag="plane"):
         """Whether points [mm], shape [..., 3], lie in it."""
         return in_half_space(points, self.point, self.normal)
 
-    @property
-    def _kind(self) -> str:
-        return "plane" if not self._level else "above" if self.normal[2] > 0.0 else "below"
-
-    @property
-    def _numbers(self) -> list[float]:
-        return [self.point[2]] if self._level else super()._numbers
-
-    @property
-    def _level(self) -> bool:
-        """Whether its height says it all."""
-        return self.point[:2] == (0.0, 0.0) and self.normal in {(0.0, 0.0, 1.0), (0.0, 0.0, -1.0)}
+    def _notation(self) -> tuple[str, list[float]]:
+        if self.point[:2] == (0.0, 0.0) and self.normal in {(0.0, 0.0, 1.0), (0.0, 0.0, -1.0)}:  # its height says it all
+            return "above" if self.normal[2] > 0.0 else "below", [self.point[2]]
+        return super()._notation()
 
 
 class Inside(ProtectedRegion, frozen=True, tag="inside"):
@@ -206,7 +189,6 @@ class End(ProtectedRegion, frozen=True, tag="end"):
     depth: float = 0.0
 
     def __post_init__(self) -> None:
-        """Refuse an end that parts do not have, and a depth that is no length."""
         super().__post_init__()
         if self.end not in ENDS:
             raise unknown("end of a part", self.end, ENDS)
@@ -219,9 +201,8 @@ class End(ProtectedRegion, frozen=True, tag="end"):
         depth = self.depth or 0.5 * float(np.ptp(along))
         return np.asarray(along >= along.max() - depth)
 
-    @property
-    def _kind(self) -> str:
-        return self.end
+    def _notation(self) -> tuple[str, list[float]]:
+        return self.end, super()._notation()[1]
 
 
 class Segment(ProtectedRegion, frozen=True, tag="segment"):
@@ -243,8 +224,7 @@ Region = Vertices | Box | Sphere | HalfSpace | Inside | Outside | Sides | Rim | 
 def region(text: str) -> Region:
     """A region as people write it: "inside", "box 0 0 0 10 10 10 ramp 2 colour"; KINDS lists what there is.
 
-    Raises:
-        BadInput: If it cannot be read, with how to write it.
+    BadInput if it cannot be read, with how to write it.
     """
     kind, *words = text.lower().split() or [""]
     if kind not in KINDS:

@@ -56,11 +56,6 @@ def length(height: float) -> str:
     return f"{height / 10:.0f} cm" if height >= 9.5 else f"{height:.0f} mm"
 
 
-def fall(height: float) -> str:
-    """A height that was asked for [mm], exactly as it was: 1.22 m stays 1.22 m."""
-    return written(height)
-
-
 def stress(value: float | None, limit: float | None) -> str:
     """A stress and its limit, a dash where there was no answer."""
     return "–" if value is None or limit is None else f"{value:.1f} of {limit:.1f} MPa"
@@ -69,11 +64,6 @@ def stress(value: float | None, limit: float | None) -> str:
 def _value(row: Row, value: float) -> str:
     """A height or a factor."""
     return length(value) if row.height is not None else f"{value:.2f} ×"
-
-
-def _asked(row: Row) -> str:
-    """What is asked of a part in a test."""
-    return fall(row.asked) if row.height is not None else "1 ×"
 
 
 def _figures(row: Row, verdict: Verdict) -> str:
@@ -102,7 +92,7 @@ def short(verdict: Verdict) -> str:
     if verdict.outcome == "NO WORSE":
         return "NO WORSE than the plain part"
     failed = verdict.outcome == "FAILS" and decides.load
-    return f"{verdict.outcome} {f'the load {decides.load!r}' if failed else f'a fall of {fall(verdict.fall)}'}"
+    return f"{verdict.outcome} {f'the load {decides.load!r}' if failed else f'a fall of {written(verdict.fall)}'}"
 
 
 def head(verdict: Verdict) -> str:
@@ -114,43 +104,34 @@ def head(verdict: Verdict) -> str:
         side = "at most" if decides.outcome == "HOLDS" else "above"
         strength = f"the {verdict.strength:.1f} MPa at which {verdict.material} yields"
         return f"{verdict.outcome} by the published rule: the largest element stress is {decides.stress:.1f} MPa, {side} {strength}."
-    clauses = {"HOLDS": _holds, "NO WORSE": _no_worse, "FAILS": _fails}[verdict.outcome](verdict)
-    return f"{verdict.outcome} {clauses}. Solid {verdict.material}, which yields at {verdict.strength:.1f} MPa."
+    return f"{verdict.outcome} {_clauses(verdict)}. Solid {verdict.material}, which yields at {verdict.strength:.1f} MPa."
 
 
-def _holds(verdict: Verdict) -> str:
-    """What a part holds: the fall, and the load that is nearest to its limit."""
-    loads = sorted((row for row in verdict.rows if row.test == "load"), key=lambda row: row.reserve)
-    dropped = _clause(verdict.rows[0], verdict)
-    if len(loads) > 1:
-        return f"{dropped} and all {len(loads)} loads, of which {_clause(loads[0], verdict)} has the least reserve"
-    return " and ".join([dropped, *(_clause(row, verdict) for row in loads)])
-
-
-def _no_worse(verdict: Verdict) -> str:
-    """Where a part survives less than is asked for, and that it holds flat if it does."""
+def _clauses(verdict: Verdict) -> str:
+    """What a part holds, or in what it is no worse than the plain part, or what it fails; and how it lands flat if it passes that."""
     flat = verdict.rows[0]
-    clauses = [f"flat it holds {_clause(flat, verdict)}"] if flat.outcome == "HOLDS" else []
-    for row in verdict.rows:
-        if row.decides and row.outcome == "NO WORSE":
-            below = f"below {fall(verdict.fall)}" if row.height is not None else "before all of it acts"
+    if verdict.outcome == "HOLDS":  # of several loads the one that is nearest to its limit is named
+        loads = sorted((row for row in verdict.rows if row.test == "load"), key=lambda row: row.reserve)
+        if len(loads) > 1:
+            return f"{_clause(flat, verdict)} and all {len(loads)} loads, of which {_clause(loads[0], verdict)} has the least reserve"
+        return " and ".join(_clause(row, verdict) for row in (flat, *loads))
+    decide = [row for row in verdict.rows if row.decides and row.outcome == verdict.outcome]
+    if verdict.outcome == "NO WORSE":
+        clauses = [f"flat it holds {_clause(flat, verdict)}"] if flat.outcome == "HOLDS" else []
+        for row in decide:
+            below = f"below {written(verdict.fall)}" if row.height is not None else "before all of it acts"
             clauses.append(f"{_where(row)} it begins to yield {below} ({_figures(row, verdict)})")
-    return f"than the plain part: {'; '.join(clauses)}"
-
-
-def _fails(verdict: Verdict) -> str:
-    """What a part fails, and how it lands flat if it passes that."""
-    flat, failed = verdict.rows[0], [row for row in verdict.rows if row.decides and row.outcome == "FAILS"]
-    clauses = [_clause(failed[0], verdict), *(f"{_where(row)} ({_figures(row, verdict)})" for row in failed[1:])]
-    if flat in failed:
-        return ", and also ".join(clauses)
+        return f"than the plain part: {'; '.join(clauses)}"
+    fails = ", and also ".join([_clause(decide[0], verdict), *(f"{_where(row)} ({_figures(row, verdict)})" for row in decide[1:])])
+    if flat in decide:
+        return fails
     passes = "it holds" if flat.outcome == "HOLDS" else "it is no worse than the plain part in"
-    return f"{', and also '.join(clauses)}; flat {passes} {_clause(flat, verdict)}"
+    return f"{fails}; flat {passes} {_clause(flat, verdict)}"
 
 
 def _clause(row: Row, verdict: Verdict) -> str:
     """What is asked of a part in a test, and what it survives."""
-    what = f"the load {row.load!r}" if row.load else f"a fall of {fall(verdict.fall)}"
+    what = f"the load {row.load!r}" if row.load else f"a fall of {written(verdict.fall)}"
     where = "" if row.test in ("flat", "load") else f" {_where(row)}"
     figures = _figures(row, verdict)
     return f"{what}{where} ({figures if row.original is not None else f'it survives {figures}'})"
@@ -163,6 +144,10 @@ def _where(row: Row) -> str:
 
 def doubt(verdict: Verdict) -> str:
     """Why the outcome is not sure and what to do, "" if it is sure."""
+
+    def listed(words: Sequence[str]) -> str:
+        return " and ".join([*([", ".join(words[:-1])] if len(words) > 1 else []), words[-1]])
+
     reasons, tests, near = list[str](), list[str](), [one for one in verdict.doubts if one.about == "limit"]
     for one in near:
         test = {"load": f"the load {one.load!r}", "published rule": "the published rule"}.get(one.test, one.landing or one.test)
@@ -172,7 +157,7 @@ def doubt(verdict: Verdict) -> str:
         dropped, loaded = any(not one.load for one in near), any(one.load for one in near)
         ways = " or ".join(["less relief"] * bool(verdict.style) + ["a lower fall"] * dropped + ["a smaller load"] * loaded)
         repeats = "the test repeats" if len(near) == 1 else "these tests repeat"
-        reasons.append(f"{_listed(tests)}, closer than {repeats}; {f'ask for {ways}' if verdict.passes else f'{ways} may pass'}")
+        reasons.append(f"{listed(tests)}, closer than {repeats}; {f'ask for {ways}' if verdict.passes else f'{ways} may pass'}")
     missed = list[str]()
     for one in verdict.doubts:
         if one.about == "relief":
@@ -182,12 +167,8 @@ def doubt(verdict: Verdict) -> str:
             known = f"the volume of the mesh is {one.value:+.1%} off that of the part"
             missed.append(known if math.isfinite(one.value) else "the volume of the mesh is not known")
     if missed:
-        reasons.append(f"{_listed(missed)}; ask for more vertices")
+        reasons.append(f"{listed(missed)}; ask for more vertices")
     return f"Not sure: {'; '.join(reasons)}." if reasons else ""
-
-
-def _listed(words: Sequence[str]) -> str:
-    return " and ".join([*([", ".join(words[:-1])] if len(words) > 1 else []), words[-1]])
 
 
 # --- its table ----------------------------------------------------------------------------------------------------
@@ -198,7 +179,7 @@ def table(verdict: Verdict) -> list[tuple[str, ...]]:
     return [
         (
             _label(row), "–" if row.original is None else _value(row, row.original), _value(row, row.survived),
-            _asked(row), f"{row.reserve - 1.0:+.0%}", _judged(row),
+            written(row.asked) if row.height is not None else "1 ×", f"{row.reserve - 1.0:+.0%}", _judged(row),
         )
         for row in verdict.rows
     ]  # fmt: skip
@@ -234,7 +215,8 @@ def paired(styled: Sequence[Verdict]) -> list[tuple[str, ...]]:
         there = [row for row in rows if row is not None]
         plain = next((_value(row, row.original) for row in there if row.original is not None), "–")
         cells = ("–" if row is None else f"{_value(row, row.survived)} {_judged(row)}" for row in rows)
-        lines.append((_kind(there[0]), plain, *cells, _asked(there[0])))
+        asked = written(there[0].asked) if there[0].height is not None else "1 ×"
+        lines.append((_kind(there[0]), plain, *cells, asked))
     return lines
 
 
@@ -257,7 +239,7 @@ def _judged(row: Row) -> str:
 
 def planned(height: float, falls: int, seconds: float) -> str:
     """The test of a run that has not begun, and how long it will take [s]."""
-    return f"We let it fall from {fall(height)}, in simulation, about {falls} times: about {duration(_rounded(seconds))}."
+    return f"We let it fall from {written(height)}, in simulation, about {falls} times: about {duration(_rounded(seconds))}."
 
 
 def measured_out(falls: int, seconds: float) -> str:
@@ -300,10 +282,7 @@ def least(verdict: Verdict) -> str:
 def side_by_side(names: tuple[str, str], verdicts: tuple[Verdict, Verdict], kept: tuple[float | None, float | None]) -> str:
     """How two runs of one part and style compare, in two short sentences: how they look, and what each survives where they differ most.
 
-    Args:
-        names: What the runs are called.
-        verdicts: Of each.
-        kept: Share of the relief that is left of each, None where that is not known.
+    `kept` are the shares of the relief that are left, None where that is not known.
     """
     pairs = [(one, other) for one in verdicts[0].rows if one.decides and (other := verdicts[1].row(one.test, one.load)) is not None]
     if not pairs or any(verdict.outcome == "UNKNOWN" for verdict in verdicts):
@@ -312,7 +291,7 @@ def side_by_side(names: tuple[str, str], verdicts: tuple[Verdict, Verdict], kept
     alike, (free, fed) = "", kept
     if free is not None and fed is not None and free > 0.0:
         alike = "Both look alike. " if fed >= ALIKE * free else f"{names[1]} keeps {fed:.0%} of the relief, {names[0]} {free:.0%}. "
-    asked = fall(verdicts[0].fall) if first.height is not None else "once"
+    asked = written(verdicts[0].fall) if first.height is not None else "once"
     what = f"carry the load {first.load!r}" if first.load else "pass the published rule" if first.height is None else "fall from"
     where = {"nearly flat": ", landing nearly flat", "any landing": ", landing any way up"}.get(first.test, "")
     here, there = (length(row.survived) if row.height is not None else f"{row.survived:.2f} times" for row in (first, second))

@@ -124,7 +124,6 @@ class Simulation:
     failure: str = ""
 
     def __post_init__(self) -> None:
-        """Freeze the fields over the surface."""
         count = len(self.displacement)
         for name, kind in (("displacement", np.float32), ("contact", np.bool_)):
             object.__setattr__(self, name, frozen_array(getattr(self, name), kind, (count,), name))

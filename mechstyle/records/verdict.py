@@ -233,43 +233,40 @@ def _failure(simulation: Simulation, original: Simulation | None, recipe: Recipe
 
 def _rows(simulation: Simulation, original: Simulation | None, reference: Simulation | None, recipe: Recipe) -> Iterable[Row]:
     """The rows of all tests that were made of a part."""
+
+    def outcome(stress: float, limit: float) -> Outcome:
+        return "HOLDS" if stress <= strength else "NO WORSE" if stress <= limit else "FAILS"
+
     strength, robust = recipe.test.material.yield_strength, recipe.test.criterion != "paper"
     for test in WAYS:
         parts = ([] if part is None else part.of(test) for part in (simulation, original, reference))
-        hardest, theirs, limiting = (_representative(found, mean=test == "any landing") if found else None for found in parts)
+        hardest, theirs, limiting = (_hardest(found, mean=test == "any landing") if found else None for found in parts)
         if hardest is not None:
             limit = strength if limiting is None else drop_limit(limiting.stress, strength)
             yield Row(
                 test=test, landing=hardest.name, stress=hardest.stress, limit=limit, height=hardest.critical_height,
                 asked=recipe.test.height, original=None if theirs is None else theirs.critical_height,
-                outcome=_outcome(hardest.stress, limit, strength), decides=robust and (test == "flat" or theirs is not None),
+                outcome=outcome(hardest.stress, limit), decides=robust and (test == "flat" or theirs is not None),
             )  # fmt: skip
     for case in simulation.loads:
         own, sets = (None if part is None else part.load(case.name) for part in (original, reference))
         limit = strength if sets is None else load_limit(sets.stress, strength)
         yield Row(
             test="load", load=case.name, stress=case.stress, limit=limit, factor=strength / case.stress, asked=1.0,
-            original=None if own is None else strength / own.stress, outcome=_outcome(case.stress, limit, strength), decides=robust,
+            original=None if own is None else strength / own.stress, outcome=outcome(case.stress, limit), decides=robust,
         )  # fmt: skip
     maximum = simulation.maximum
     yield Row(
         test="published rule", landing=simulation.landings[0].name, stress=maximum, limit=strength, factor=strength / maximum, asked=1.0,
-        original=None if original is None else strength / original.maximum, outcome=_outcome(maximum, strength, strength),
+        original=None if original is None else strength / original.maximum, outcome=outcome(maximum, strength),
         decides=not robust,
     )  # fmt: skip
 
 
-def _outcome(stress: float, limit: float, strength: float) -> Outcome:
-    """What a stress comes to: it holds up to the strength, and is no worse than the original up to a higher limit."""
-    return "HOLDS" if stress <= strength else "NO WORSE" if stress <= limit else "FAILS"
-
-
-def _representative(landings: Sequence[Landing], *, mean: bool) -> Landing:
+def _hardest(landings: Sequence[Landing], *, mean: bool) -> Landing:
     """The landing with the highest stress, with the geometric means of all if `mean`."""
     hardest = max(landings, key=lambda landing: landing.stress)
-    if not mean:
-        return hardest
-    figures = ("stress", "critical_height")
+    figures = ("stress", "critical_height") if mean else ()
     means = {name: math.exp(sum(math.log(getattr(one, name)) for one in landings) / len(landings)) for name in figures}
     return msgspec.structs.replace(hardest, **means)
 

@@ -10,10 +10,7 @@ WORDS: dict[str, tuple[str, str]] = {
     "nozzle": ("nozzle", "Width of the printer's nozzle: by default bricks and stitches are large enough for it."),
     "seed": ("seed", "Another number draws the same style a little differently."),
     "guidance": ("style from", "Source of the style: a pattern drawn offline, or the network CLIP, which takes any prompt."),
-    "field": (
-        "described by",
-        "What CLIP optimises: one offset for each vertex, or a small network that gives all vertices theirs.",
-    ),
+    "field": ("described by", "What CLIP optimises: one offset for each vertex, or a small network that gives all vertices theirs."),
     "vertices": ("vertices", "Number of points of the surface: more of them draw finer and take longer."),
     "protect": ("protected", "Places that the style leaves plain."),
     "stress": ("stress", "Force per area inside the material, in MPa: von Mises stress, averaged over 2 mm."),
@@ -86,9 +83,6 @@ WORDS: dict[str, tuple[str, str]] = {
     "both": ("Both", "One run after the other on the same part, MechStyle and then Freestyle, shown side by side."),
     "pinned, third": ("beside, third pane", "Iterations that stay in sight next to the one that is shown, under the same camera."),
     "decisive": ("✕, what decides", "The place that decides the verdict of the version with the smallest reserve."),
-    "scrubber": (
-        "iteration",
-        "A step of the style; the slider shows any of them, and loads its details when you let go.",
-    ),
+    "scrubber": ("iteration", "A step of the style; the slider shows any of them, and loads its details when you let go."),
 }
 """by the names in code: the word people read, and the sentence that teaches it; `docs/glossary.md` lists them."""

@@ -25,47 +25,22 @@ ALONE = {"schedule": "never", "guarantee": False}
 
 @dataclass(frozen=True)
 class Depth:
-    """The deepest relief that passes.
-
-    Attributes:
-        amplitude: Half of it over local wall thickness.
-        words: What limits it, in one sentence.
-    """
+    """The deepest relief that passes: half of it over local wall thickness, and what limits it, in one sentence."""
 
     amplitude: float
     words: str
 
 
 def deepest(
-    mesh: SurfaceMesh,
-    prompt: str = "",
-    *,
-    material: str | Material = "PLA",
-    vertices: int = STANDARD_VERTICES,
-    out: str | Path,
-    device: str = "auto",
-    depths: Sequence[float] = DEPTHS,
-    stage: Stage = no_progress,
-    prepare: Callable[..., Workpiece] = prepare,
-    warn: Warn = logged,
+    mesh: SurfaceMesh, prompt: str = "", *,
+    material: str | Material = "PLA", vertices: int = STANDARD_VERTICES, out: str | Path, device: str = "auto",
+    depths: Sequence[float] = DEPTHS, stage: Stage = no_progress, prepare: Callable[..., Workpiece] = prepare, warn: Warn = logged,
     **settings: Any,
-) -> Depth:
+) -> Depth:  # fmt: skip
     """Find the deepest of several reliefs that passes as it is drawn; the trials stay in a run directory of their own, a lane each.
 
-    A trial is judged as any run is at its end: by the surface that would be delivered.
-
-    Args:
-        mesh: A closed surface [mm], z up, as it stands.
-        prompt: The style, in words.
-        material: A library name, a .toml/.json file, or a Material.
-        vertices: Vertices of the standardised surface.
-        out: Run directory of the trials; what was tried there before is read.
-        device: `auto`, `cpu` or `cuda`.
-        depths: Amplitudes, ascending.
-        stage: Called with what is being done, in words.
-        prepare: What prepares the surface, `simulation.part.prepare` or a function like it.
-        warn: Called early with sentences on walls that are too thin.
-        settings: Other settings of a recipe.
+    A trial is judged as any run is at its end: by the surface that would be delivered. What was tried in `out` before is read.
+    Arguments are those of `runs.run.stylize` and `started`; `depths` are amplitudes, ascending.
 
     Raises:
         BadInput: If the part, the prompt or a setting cannot be used.
@@ -84,12 +59,7 @@ def deepest(
 
 
 def deepest_of(depths: Sequence[float], verdict: Callable[[float], Verdict]) -> Depth:
-    """The deepest depth that passes, by bisection from the deepest on, which assumes that a shallower relief passes where one does.
-
-    Args:
-        depths: Ascending.
-        verdict: The verdict on the relief of a depth.
-    """
+    """The deepest of ascending depths that passes, by bisection, which assumes that a shallower relief passes where one does."""
     found = verdict(depths[-1])
     if found.passes:
         return Depth(depths[-1], f"{depths[-1]:g} of the wall is the deepest relief that was tried, and it passes")

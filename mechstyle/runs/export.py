@@ -50,27 +50,12 @@ class Exported(msgspec.Struct, frozen=True, kw_only=True):
 
 
 def exported(
-    store: Store,
-    lane: str,
-    part: Workpiece,
-    entry: Entry,
-    path: Path,
-    *,
-    name: str = "",
-    fields: bool = False,
-    printing: Printing = AS_USUAL,
-) -> Exported:
-    """Write the surface of a checkpoint to a file, and what is known of it beside it.
+    store: Store, lane: str, part: Workpiece, entry: Entry, path: Path, *,
+    name: str = "", fields: bool = False, printing: Printing = AS_USUAL,
+) -> Exported:  # fmt: skip
+    """Write the surface of a checkpoint to a file, whose suffix decides the format, and what is known of it to `FILE.json`.
 
-    Args:
-        store: The run.
-        lane: Its lane.
-        part: Its part.
-        entry: The checkpoint.
-        path: The file; its suffix decides the format.
-        name: What the part is called in the file.
-        fields: Whether it is to hold every field that is known of it, such as stress; in GLB and PLY.
-        printing: Filaments and slicer of a 3MF file.
+    `fields` puts every field that is known, such as stress, into GLB and PLY; `name` is what the part is called in the file.
 
     Raises:
         BadInput: If the file cannot be written.
@@ -81,8 +66,11 @@ def exported(
     printing.check(path)
     untested = unsimulated(store, entry)
     verdict, styled = None if untested else state.verdict, part.surface.displaced(state.displacement).coloured(state.colour)
-    known = known_fields(store, lane, part, state) if fields else ()
-    plan = None
+    known, plan, words = known_fields(store, lane, part, state) if fields else (), None, dict[str, str]()
+    for one in known:
+        label = f"{one.quantity.label} [{one.quantity.unit}]" if one.quantity.unit else one.quantity.label
+        most = one.quantity.most and f"{one.quantity.most} stands for that and more"
+        words[one.quantity.name] = "; ".join(filter(None, (label, one.note, most)))
     if path.suffix.lower() == ".3mf":
         plan = write_for_printing(path, styled, part, recipe, printing, name=name)
     else:
@@ -91,8 +79,8 @@ def exported(
     measured = quality(part.surface, styled, recipe.test.material.density)
     record = Exported(
         file=path.name, lane=lane, iteration=entry.iteration, recipe=entry.recipe, verdict=verdict,
-        quality=measured, warnings=(*([untested] if untested else ()), *_of_the_test(verdict), *measured.warnings),
-        fields={one.quantity.name: _in_words(one) for one in known}, printing=plan,
+        quality=measured, warnings=(*([untested] if untested else ()), *of_the_test(verdict), *measured.warnings),
+        fields=words, printing=plan,
     )  # fmt: skip
     write_whole(sidecar(path), msgspec.json.format(to_json(record), indent=2))
     return record
@@ -103,13 +91,6 @@ def sheen_of(recipe: Recipe) -> Sheen:
     found = {finish_of(wish.colour) for wish in wishes_of(recipe) if wish.style}
     only = found.pop() if len(found) == 1 else None
     return DULL if only is None else only[0].sheen
-
-
-def _in_words(known: Known) -> str:
-    """What a field is, with its unit and what should be known of its values."""
-    quantity = known.quantity
-    label = f"{quantity.label} [{quantity.unit}]" if quantity.unit else quantity.label
-    return "; ".join(filter(None, (label, known.note, quantity.most and f"{quantity.most} stands for that and more")))
 
 
 def sidecar(path: Path) -> Path:
@@ -126,22 +107,13 @@ def unsimulated(store: Store, entry: Entry) -> str:
     return ""
 
 
-def _of_the_test(verdict: Verdict | None) -> tuple[str, ...]:
+def of_the_test(verdict: Verdict | None) -> tuple[str, ...]:
     """Warnings where the surface that was written fails, and where its verdict leaves a doubt."""
-    if verdict is None:
-        return ()
-    return tuple(filter(None, ("" if verdict.passes else verdict.head, verdict.doubt)))
+    return () if verdict is None else tuple(filter(None, ("" if verdict.passes else verdict.head, verdict.doubt)))
 
 
 def known_fields(store: Store, lane: str, part: Workpiece, state: Checkpoint) -> tuple[Known, ...]:
-    """Every field that is known of a checkpoint, in the order in which they are offered.
-
-    Args:
-        store: The run directory.
-        lane: The lane on show.
-        part: The prepared part.
-        state: The checkpoint.
-    """
+    """Every field that is known of a checkpoint, in the order in which they are offered."""
     simulation = store.objects.get_record(state.simulation, Simulation) if state.simulation else None
     newest, verdict = store.checkpoint(store.lane(lane).head), store.verdict(state)
     return known(store.recipe(state.recipe), state, simulation, part.thickness, newest, verdict)

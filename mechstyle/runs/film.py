@@ -40,14 +40,7 @@ PAPER, INK, FLOOR = (255, 255, 255), (28, 28, 30), (196, 196, 192)  # sRGB
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """One part that falls.
-
-    Attributes:
-        title: What stands above it.
-        ending: What stands there in the last frame.
-        surface: The part before the fall [mm].
-        impact: Its landing.
-    """
+    """One part that falls, as it is before [mm], and its landing; the title stands above it, and the ending in the last frame."""
 
     title: str
     ending: str
@@ -132,9 +125,7 @@ def _scenes(run: Run, *, plain: bool, progress: Callable[[float], None]) -> list
     return scenes
 
 
-def _frames(
-    scenes: Sequence[Scene], strength: float, count: int, size: int, progress: Callable[[float], None]
-) -> list[Image.Image]:  # fmt: skip
+def _frames(scenes: Sequence[Scene], strength: float, count: int, size: int, progress: Callable[[float], None]) -> list[Image.Image]:
     """Every picture of the film, all scenes in one scale of time, size and colour."""
     whole = np.concatenate([one.surface.vertices for one in scenes])
     span = float(np.ptp(whole, axis=0).max())

@@ -34,10 +34,8 @@ def default_folder(recipe: Recipe) -> Path:
 def folder_for(out: Path, recipe: Recipe, *, beside: bool) -> Path:
     """The run directory of a recipe: `out` if it is free or holds that very run, else the first of `out-2`, `out-3`, … that is.
 
-    Args:
-        out: The folder that was asked for.
-        recipe: The recipe, fitted to its part. Its tetrahedra do not count: a part that was meshed anew has others, and nothing else.
-        beside: Whether another folder may be taken, which is logged; people who named a folder on a command line look for the run there.
+    Tetrahedra do not count: a part that was meshed anew has others, and nothing else. Another folder is logged, and taken only if
+    `beside`: people who named a folder on a command line look for the run there.
 
     Raises:
         BadInput: If `out` holds no run but something else, or another run and `beside` is False.
@@ -86,16 +84,10 @@ class PartRecord(msgspec.Struct, frozen=True, kw_only=True):
     def kept(cls, part: Workpiece, name: str, origin: Origin, objects: Objects) -> PartRecord:
         """The record of a part whose meshes and arrays are stored with it."""
         return cls(
-            name=name,
-            surface=objects.put_mesh(part.surface),
-            tets=objects.put_mesh(part.tets),
-            thickness=objects.put_array(part.thickness),
-            stands=part.stands,
-            notes=part.notes,
-            origin=origin,
-            at="" if part.at is None else objects.put_array(part.at),
-            mass_gained=part.mass_gained,
-        )
+            name=name, surface=objects.put_mesh(part.surface), tets=objects.put_mesh(part.tets), stands=part.stands, notes=part.notes,
+            thickness=objects.put_array(part.thickness), at="" if part.at is None else objects.put_array(part.at),
+            origin=origin, mass_gained=part.mass_gained,
+        )  # fmt: skip
 
     @property
     def stem(self) -> str:

@@ -23,13 +23,9 @@ from mechstyle.styling.drawing.raster import LONGEST, Raster, pixels_of, png_of
 
 
 def digest_of(image: str | Path | bytes | NDArray[Any]) -> str:
-    """The digest of a picture, whose pixels are cached; "" for "".
+    """The digest of a picture, whose pixels are cached: of a file, its content, an array, or pixels that are cached; "" for "".
 
-    Args:
-        image: A file, its content, an array, or the digest of pixels that are cached already.
-
-    Raises:
-        BadInput: If it cannot be used.
+    BadInput if it cannot be used.
     """
     if isinstance(image, str) and re.fullmatch("[0-9a-f]{64}", image):
         _pixels(image, _cached())
@@ -44,8 +40,7 @@ def digest_of(image: str | Path | bytes | NDArray[Any]) -> str:
 def raster_of(recipe: Recipe, objects: Objects | None = None) -> Raster | None:
     """The picture of a recipe, None if it has none; from the objects of a run, or cached ones.
 
-    Raises:
-        DamagedStore: If it is not there, or is no picture.
+    DamagedStore if it is not there, or is no picture.
     """
     return Raster(_pixels(recipe.style.image, objects or _cached())) if recipe.style.image else None
 

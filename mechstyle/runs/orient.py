@@ -6,8 +6,8 @@ drop as placed and its load cases, with layers along it; up and down are the sam
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
+from functools import cached_property
 
 import msgspec
 import numpy as np
@@ -62,13 +62,7 @@ class WayUp(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class WaysUp(msgspec.Struct, frozen=True, kw_only=True):
-    """Ways up to print a part, the best first.
-
-    Attributes:
-        ways: The ways.
-        layers: What is assumed of layers, in words.
-        drops: Drop tests that had to be run for it.
-    """
+    """Ways up to print a part, the best first, what is assumed of layers, in words, and drop tests that had to be run for it."""
 
     ways: tuple[WayUp, ...]
     layers: str
@@ -78,14 +72,9 @@ class WaysUp(msgspec.Struct, frozen=True, kw_only=True):
 def ways_up(
     run: Run, iteration: int | None = None, *, count: int = COUNT, stage: Stage = no_progress, progress: Progress = no_progress
 ) -> WaysUp:
-    """Rank the flat sides a part can be printed on, and the way it was placed.
+    """Rank the flat sides a part can be printed on, at most `count`, and the way it was placed; for the last iteration by default.
 
-    Args:
-        run: A run with at least one simulation.
-        iteration: None for the last.
-        count: Ways up at most.
-        stage: Called with which is being dropped.
-        progress: Called with the fraction of that drop.
+    `stage` is called with which is being dropped, `progress` with the fraction of that drop.
 
     Raises:
         BadInput: If there are no ways to compare.
@@ -101,7 +90,7 @@ def ways_up(
     limit = recipe.test.material.yield_strength
     found = [
         WayUp(name=_called(name, up), up=up, stress=known.stress(up), limit=limit, **standing(mesh, up)._asdict())
-        for name, up in zip(ways.names, [_rounded(normal) for normal in ways.normals], strict=True)
+        for name, up in zip(ways.names, map(_rounded, ways.normals), strict=True)
     ]
     return WaysUp(ways=tuple(sorted(found, key=lambda way: way.rank)), layers=known.words, drops=known.drops)
 
@@ -127,10 +116,13 @@ class _Layers:
     def __init__(self, run: Run, recipe: Recipe, last: Simulation, displacement: np.ndarray, stage: Stage, progress: Progress) -> None:
         """Begin with what the run knows; drops are made when they are asked for."""
         self._recipe, self._last, self._displacement, self._stage = recipe, last, displacement, stage
+        self._run, self._progress = run, progress
         self._known: dict[Point, float] = {}
-        self._simulator: Callable[[], DropSimulator] = lambda: run.simulator(recipe, progress)
-        self._known_simulator: DropSimulator | None = None
         self.drops = 0
+
+    @cached_property
+    def _simulator(self) -> DropSimulator:
+        return self._run.simulator(self._recipe, self._progress)
 
     @property
     def words(self) -> str:
@@ -146,28 +138,20 @@ class _Layers:
         ratio = self._recipe.test.material.layer_ratio
         if ratio is None:
             return None
-        if ratio == 1.0 or self._recipe.test.build_direction in (up, _opposite(up)):
+        x, y, z = up
+        down = (0.0 - x, 0.0 - y, 0.0 - z)
+        if ratio == 1.0 or self._recipe.test.build_direction in (up, down):
             return _deciding(self._last)
-        axis = max(up, _opposite(up))
+        axis = max(up, down)
         if axis not in self._known:
-            self._known[axis] = self._dropped(axis)
+            self._stage(f"drop with layers along ({axis[0]:g}, {axis[1]:g}, {axis[2]:g})")
+            body, _ = self._simulator.meshes.carrier(self._displacement)
+            recipe = self._simulator.recipe.with_settings(build_direction=axis).on(tetrahedra=body.tets.digest)
+            self.drops += 1
+            part = replace(self._simulator.part, tets=body.tets, at=body.at)
+            layered = replace(self._simulator, part=part, recipe=recipe)
+            self._known[axis] = _deciding(layered.simulate(self._displacement, thorough=False))
         return self._known[axis]
-
-    def _dropped(self, axis: Point) -> float:
-        if self._known_simulator is None:
-            self._known_simulator = self._simulator()
-        self._stage(f"drop with layers along ({axis[0]:g}, {axis[1]:g}, {axis[2]:g})")
-        body, _ = self._known_simulator.meshes.carrier(self._displacement)
-        recipe = self._known_simulator.recipe.with_settings(build_direction=axis).on(tetrahedra=body.tets.digest)
-        self.drops += 1
-        part = replace(self._known_simulator.part, tets=body.tets, at=body.at)
-        layered = replace(self._known_simulator, part=part, recipe=recipe)
-        return _deciding(layered.simulate(self._displacement, thorough=False))
-
-
-def _opposite(up: Point) -> Point:
-    x, y, z = (0.0 - part for part in up)
-    return x, y, z
 
 
 def _deciding(simulation: Simulation) -> float:

@@ -125,16 +125,7 @@ class PrintPlan(msgspec.Struct, frozen=True, kw_only=True):
 def write_for_printing(
     path: Path, styled: SurfaceMesh, part: Workpiece, recipe: Recipe, printing: Printing, *, name: str = ""
 ) -> PrintPlan:
-    """Write a styled part for a slicer.
-
-    Args:
-        path: The 3MF file.
-        styled: The styled, coloured surface.
-        part: The part of the run.
-        recipe: Its recipe.
-        printing: What is wanted.
-        name: What slicers call it.
-    """
+    """Write the styled, coloured surface of a part as a 3MF file, which slicers call `name`."""
     mesh, kind = styled, recipe.test.material.name if recipe.test.material.name in FILAMENT_TYPES else FILAMENT_TYPES[0]
     palette, called = printing.filaments(mesh, asked_for(recipe)), name or "part"
     if printing.bodies:
@@ -147,14 +138,6 @@ def write_for_printing(
         content = threemf_bytes(mesh, called, paint=paint, slicer=printing.slicer, filament_type=kind)
     write_file(path, content)
     cost = print_cost(paint)
-    offers = (
-        *([] if printing.bands else cheaper(paint)),
-        *([] if printing.bands or printing.bodies else [banded(paint)]),
-    )
-    return PrintPlan(
-        slicer=printing.slicer,
-        palette=palette,
-        merged=paint.merged,
-        cost=cost,
-        offers=tuple(offer for offer in offers if offer.changes < cost.changes),
-    )
+    offers = (*([] if printing.bands else cheaper(paint)), *([] if printing.bands or printing.bodies else [banded(paint)]))
+    fewer = tuple(offer for offer in offers if offer.changes < cost.changes)
+    return PrintPlan(slicer=printing.slicer, palette=palette, merged=paint.merged, cost=cost, offers=fewer)

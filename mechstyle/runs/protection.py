@@ -21,12 +21,7 @@ from mechstyle.simulation.part import Stage, standardised
 
 @dataclass(frozen=True, eq=False)
 class ProtectedPart:
-    """A part and what its protected regions leave to the style.
-
-    Attributes:
-        surface: The standardised surface.
-        protection: Factor on the relief, what keeps its colour, and one sentence a region.
-    """
+    """The standardised surface of a part, and what its protected regions leave to the style."""
 
     surface: SurfaceMesh
     protection: Protection
@@ -51,11 +46,7 @@ class ProtectedPart:
 
 
 def protect(
-    mesh: SurfaceMesh,
-    protect: str | Region | Sequence[str | Region],
-    *,
-    vertices: int = STANDARD_VERTICES,
-    stage: Stage = no_progress,
+    mesh: SurfaceMesh, protect: str | Region | Sequence[str | Region], *, vertices: int = STANDARD_VERTICES, stage: Stage = no_progress
 ) -> ProtectedPart:
     """See what regions hold before a run is begun: `ms.protect(part, ["inside", ms.Box((0, 0, 0), (9, 9, 9), ramp=2)]).show()`.
 

@@ -86,10 +86,7 @@ class Rerun(msgspec.Struct, frozen=True, kw_only=True):
 def rerun(run: Run, out: Path, on_event: Callable[[Event], None] = lambda _: None) -> Rerun:
     """Repeat a lane in a folder of its own, from the part, tetrahedra and recipes that its run directory holds; nothing remembered is used.
 
-    Args:
-        run: The lane, finished or not; it is repeated up to where it stands, through the recipes of all lanes it was branched from.
-        out: A folder that is free.
-        on_event: Called with every event.
+    It is repeated up to where it stands, finished or not, through the recipes of all lanes it was branched from.
 
     Raises:
         BadInput: If the folder is taken, or the lane has no checkpoint yet.
@@ -101,7 +98,18 @@ def rerun(run: Run, out: Path, on_event: Callable[[Event], None] = lambda _: Non
         raise BadInput(f"{out} is taken: give a free folder with --out")
     again = _begun(run, out)
     for recipe, entries in itertools.groupby(history, key=lambda entry: entry.recipe):
-        _repeat(run, again, recipe, len(list(entries)), on_event)
+        fields, store, checkpoints = run.store.recipe(recipe), again.store, len(list(entries))
+        if fields.style.image:
+            _copy(run.store, store, fields.style.image)
+            images.keep(fields, store)
+        head = store.lane().head if store.lanes() else ""
+        store.move("main", Lane(recipe=store.put_recipe(fields), head=head))
+        with closing(again.events()) as events:  # as many checkpoints as the lane has under the recipe, or as many as come
+            for event in events:
+                on_event(event)
+                checkpoints -= isinstance(event, Checkpointed)
+                if not checkpoints and not (isinstance(event, Checkpointed) and event.checkpoint.final):
+                    break
     return compared(history, again.history, str(out))
 
 
@@ -129,54 +137,29 @@ def _copy(source: Store, target: Store, digest: str) -> None:
             target.objects.put(source.objects.get(part))
 
 
-def _repeat(run: Run, again: Run, recipe: str, checkpoints: int, on_event: Callable[[Event], None]) -> None:
-    """Add as many checkpoints to a lane as another has under a recipe, or as many as it gives."""
-    fields, store = run.store.recipe(recipe), again.store
-    if fields.style.image:
-        _copy(run.store, store, fields.style.image)
-        images.keep(fields, store)
-    head = store.lane().head if store.lanes() else ""
-    store.move("main", Lane(recipe=store.put_recipe(fields), head=head))
-    with closing(again.events()) as events:
-        for event in events:
-            on_event(event)
-            checkpoints -= isinstance(event, Checkpointed)
-            if not checkpoints and not (isinstance(event, Checkpointed) and event.checkpoint.final):
-                return
-
-
 def compared(before: Sequence[Entry], again: Sequence[Entry], folder: str) -> Rerun:
     """The difference of two histories, oldest first."""
     aligned = itertools.zip_longest(before, again[: len(before)])
     first_other = next((old.iteration for old, new in aligned if new is None or old.digest != new.digest), None)
-    pairs = [(old, new) for old, new in zip(before, again, strict=False) if old.verdict is not None]
-    found = [_difference(old, new) for old, new in pairs]
+    found = []
+    for old, new in zip(before, again, strict=False):
+        if old.verdict is None:
+            continue
+        earlier, later = _stresses(old.verdict), _stresses(new.verdict)
+        apart = {test: _share(earlier.get(test, math.nan), later.get(test, math.nan)) for test in {**earlier, **later} or ("",)}
+        worst = max(apart, key=apart.__getitem__)
+        found.append(
+            Difference(
+                iteration=old.iteration, test=worst, before=earlier.get(worst, math.nan), again=later.get(worst, math.nan),
+                verdict=old.verdict.outcome, verdict_again="not simulated" if new.verdict is None else new.verdict.outcome,
+            )
+        )  # fmt: skip
     shares = [_share(one.before, one.again) for one in found]
     other = tuple(one for one, share in zip(found, shares, strict=True) if share > CLOSE or one.verdict != one.verdict_again)
     return Rerun(
-        folder=folder,
-        same_bytes=first_other is None,
-        first_other=first_other,
-        drops=len(found),
-        largest=max(shares, default=0.0),
-        differences=other,
-    )
-
-
-def _difference(old: Entry, new: Entry) -> Difference:
-    """What two simulations came to, in the test in which they differ most."""
-    assert old.verdict is not None, "only simulated iterations are compared"
-    before, again = _stresses(old.verdict), _stresses(new.verdict)
-    tests = {**before, **again} or {"": math.nan}
-    worst = max(tests, key=lambda test: _share(before.get(test, math.nan), again.get(test, math.nan)))
-    return Difference(
-        iteration=old.iteration,
-        test=worst,
-        before=before.get(worst, math.nan),
-        again=again.get(worst, math.nan),
-        verdict=old.verdict.outcome,
-        verdict_again="not simulated" if new.verdict is None else new.verdict.outcome,
-    )
+        folder=folder, same_bytes=first_other is None, first_other=first_other,
+        drops=len(found), largest=max(shares, default=0.0), differences=other,
+    )  # fmt: skip
 
 
 def _stresses(verdict: Verdict | None) -> dict[str, float]:

@@ -199,8 +199,7 @@ class Run:
     def events(self, progress: Progress = no_progress) -> Generator[Event, None, None]:
         """Carry the lane on to its end, yielding what happens; the summary is written at the end.
 
-        Raises:
-            BadInput: If another process, or another session of this one, is carrying it on.
+        BadInput if another process, or another session of this one, is carrying it on.
         """
         with exclusive(self.store.root / "locks" / f"{self.lane}.lock", f"lane {self.lane!r} of {self.store.root}"):
             self.store.move(self.lane, msgspec.structs.replace(self.store.lane(self.lane), recipe=self.store.put_recipe(self.recipe)))
@@ -280,20 +279,11 @@ def begin(
 
 
 def stylize(
-    mesh: SurfaceMesh,
-    prompt: str = "",
-    *,
-    material: str | Material = "PLA",
-    freestyle: bool = False,
-    quick: bool = False,
-    vertices: int | None = None,
-    out: str | Path | None = None,
-    name: str = "part",
-    device: str = "auto",
-    stage: Stage = no_progress,
-    on_event: OnEvent | None = None,
+    mesh: SurfaceMesh, prompt: str = "", *,
+    material: str | Material = "PLA", freestyle: bool = False, quick: bool = False, vertices: int | None = None,
+    out: str | Path | None = None, name: str = "part", device: str = "auto", stage: Stage = no_progress, on_event: OnEvent | None = None,
     **settings: Any,
-) -> Run:
+) -> Run:  # fmt: skip
     """Style a part while a drop test watches its strength.
 
     Args:
@@ -325,20 +315,11 @@ def stylize(
 
 
 def started(
-    wanted: Recipe,
-    part: SurfaceMesh | Workpiece,
-    *,
-    vertices: int = STANDARD_VERTICES,
-    origin: Origin | None = None,
-    out: str | Path | None = None,
-    name: str = "part",
-    device: str = "auto",
-    stage: Stage = no_progress,
-    prepare: Callable[..., Workpiece] = prepare,
-    warn: Warn | None = None,
-    go_on: CancelCheck = never_cancel,
-    beside: bool = True,
-) -> Run:
+    wanted: Recipe, part: SurfaceMesh | Workpiece, *,
+    vertices: int = STANDARD_VERTICES, origin: Origin | None = None, out: str | Path | None = None, name: str = "part",
+    device: str = "auto", stage: Stage = no_progress, prepare: Callable[..., Workpiece] = prepare, warn: Warn | None = None,
+    go_on: CancelCheck = never_cancel, beside: bool = True,
+) -> Run:  # fmt: skip
     """Begin the run a drafted recipe asks for, or find it where it stopped; `.go()` carries it on.
 
     Args as in `stylize`, and:

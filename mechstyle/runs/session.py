@@ -129,7 +129,11 @@ class Session:
         """Tell all events; how it ended. The generator is closed before anybody hears of it, so that a new session can go on at once."""
         with closing(self._events(self._progress)) as events:
             for event in events:
-                self._tell(event)
+                for listener in tuple(self._listeners):
+                    try:
+                        listener(event)
+                    except Exception:
+                        logger.exception("a listener failed on %s", type(event).__name__)
                 with self._changed:
                     if self._wanted == "run" and self._until is not None and self._until(event):
                         self._wanted, self._until = "pause", None
@@ -139,13 +143,6 @@ class Session:
                     if self._wanted == "stop":
                         return "stopped"
         return "finished"
-
-    def _tell(self, event: Event) -> None:
-        for listener in tuple(self._listeners):
-            try:
-                listener(event)
-            except Exception:
-                logger.exception("a listener failed on %s", type(event).__name__)
 
     def _progress(self, fraction: float) -> None:
         """Called by the simulator between chunks."""

@@ -56,11 +56,7 @@ def register_stylizer(name: str) -> Callable[[Factory], Factory]:
 
 
 def name_of(stylizer: str | Factory) -> str:
-    """The name a recipe keeps of a stylizer; a function is registered under its own name.
-
-    Raises:
-        BadInput: If there is no stylizer of that name.
-    """
+    """The name a recipe keeps of a stylizer; a function is registered under its own name; BadInput if there is no stylizer of that name."""
     if isinstance(stylizer, str):
         if stylizer:
             _source(stylizer)
@@ -73,8 +69,7 @@ def name_of(stylizer: str | Factory) -> str:
 def made(surface: SurfaceMesh, bounds: Bounds, recipe: Recipe) -> Stylizer:
     """The plugged-in stylizer of a recipe, looked at before the run begins.
 
-    Raises:
-        BadInput: If there is none of that name, or if what it proposes does not fit the part.
+    BadInput if there is none of that name, or if what it proposes does not fit the part.
     """
     stylizer = _source(recipe.style.stylizer)(surface, bounds, recipe)
     count = len(surface.vertices)
@@ -141,12 +136,7 @@ def stylizer_for(
 ) -> tuple[Stylizer, tuple[str, ...]]:
     """The stylizer of a recipe, and what its user should know about how the prompt was read and what the mesh can carry.
 
-    Args:
-        part: The part.
-        recipe: The recipe.
-        device: Where learned styles are learned.
-        objects: Those of the run, which keep its picture; None for cached ones.
-        go_on: Asked while a style is drawn whether to; what it raises ends it.
+    Learned styles are learned on `device`. The picture is among the objects of the run, or cached; what `go_on` raises ends a drawing.
     """
     bounds = bounds_for(part, recipe)[0]
     go_on()
@@ -224,16 +214,7 @@ def drawing_of(
     part: Workpiece | Shape, bounds: Bounds, recipe: Recipe, reading: Reading, objects: Objects | None = None,
     go_on: CancelCheck = never_cancel,
 ) -> Drawing:  # fmt: skip
-    """What the prompt of a recipe asks for on a part, within its bounds; the last one on a part is remembered.
-
-    Args:
-        part: The part.
-        bounds: How far the style may go.
-        recipe: The recipe.
-        reading: Its prompt.
-        objects: Those of the run, which keep its picture; None for cached ones.
-        go_on: Asked in between whether to; what it raises ends it.
-    """
+    """What the prompt of a recipe asks for on a part, within its bounds; the last one on a part is remembered. Others as `stylizer_for`."""
     recipe = recipe.on(surface="", tetrahedra="")  # the same drawing before the part is meshed and after
     before, known = _last.get(part.surface, (None, None))
     if known is not None and before == recipe:
@@ -252,15 +233,9 @@ def drawing_of(
 def drawn(
     recipe: Recipe, reading: Reading, canvases: Sequence[Canvas], shares: Floats, bounds: Bounds, go_on: CancelCheck = never_cancel
 ) -> Target:
-    """What a prompt asks for, each wish drawn on a canvas of its own, all of one surface.
+    """What a prompt asks for, each wish drawn on a canvas of its own, all of one surface; what `go_on` raises ends it.
 
-    Args:
-        recipe: What else decides the drawing.
-        reading: The prompt.
-        canvases: One for each wish.
-        shares: Of each wish at each vertex, as `styling.combination.places` gives them, shape [wish_count, vertex_count].
-        bounds: How far it may go on that surface.
-        go_on: Asked in between whether to; what it raises ends it.
+    `shares` are those of each wish at each vertex, shape [wish_count, vertex_count], as `styling.combination.places` gives them.
     """
     mesh, targets = canvases[0].mesh, []
     limits = {"thickness": bounds.thickness, "inward": bounds.inward, "outward": bounds.outward}

@@ -6,6 +6,7 @@ import time
 from collections import defaultdict
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass, field
 
 import msgspec
 
@@ -80,39 +81,20 @@ def summarise(engine: Engine, *, device: str, notes: tuple[str, ...], seconds: d
     start, kept = history[0].style_loss, engine.kept(last)
     little = sentences.little_left(kept, engine.recipe.style.side) if engine.recipe.restraint.guarantee else ""
     return Summary(
-        outcome=verdict.outcome,
-        doubts=verdict.doubts,
-        safety_factor=verdict.safety_factor,
-        rows=verdict.rows,
-        words=verdict.words,
-        landings=simulation.landings,
-        loads=simulation.loads,
-        plain=engine.simulator.judge(engine.simulator.baseline, alone=True),
-        simulations=simulations(history),
-        style_loss=last.style_loss,
-        style_loss_ratio=last.style_loss / start if start else 0.0,
-        kept=kept,
-        iterations=last.iteration,
-        meshing=simulation.meshing,
-        carried=simulation.carried,
-        carried_base=simulation.carried_base,
-        level_share=simulation.level_share,
-        backed_off=simulation.backed_off,
-        seconds=seconds,
-        notes=(*notes, little) if little else notes,
-        lane=engine.lane,
-        recipe=engine.recipe.digest,
-        device=device,
-        files=files,
-    )
+        outcome=verdict.outcome, doubts=verdict.doubts, safety_factor=verdict.safety_factor, rows=verdict.rows, words=verdict.words,
+        landings=simulation.landings, loads=simulation.loads, plain=engine.simulator.judge(engine.simulator.baseline, alone=True),
+        simulations=simulations(history), style_loss=last.style_loss, style_loss_ratio=last.style_loss / start if start else 0.0,
+        kept=kept, iterations=last.iteration, meshing=simulation.meshing, carried=simulation.carried,
+        carried_base=simulation.carried_base, level_share=simulation.level_share, backed_off=simulation.backed_off, seconds=seconds,
+        notes=(*notes, little) if little else notes, lane=engine.lane, recipe=engine.recipe.digest, device=device, files=files,
+    )  # fmt: skip
 
 
+@dataclass(eq=False)
 class Clock:
     """Wall seconds per stage."""
 
-    def __init__(self) -> None:
-        """Start with no stage."""
-        self._seconds: defaultdict[str, float] = defaultdict(float)
+    _seconds: defaultdict[str, float] = field(default_factory=lambda: defaultdict(float))
 
     @contextmanager
     def stage(self, name: str) -> Iterator[None]:

@@ -38,8 +38,8 @@ MESHING = 2.2e-3
 STYLING = 4e-6
 """Time of an iteration without a fall, for each vertex [s]."""
 
-RINGING, LEAST_CONTACT = 0.8, 0.05
-"""A flat impact lasts so many lowest periods, and so many milliseconds besides: of eight parts within a third …"""
+CONTACT, LEAST_CONTACT = 0.05, 0.05
+"""A flat impact lasts so many lowest periods, and so many milliseconds besides, until it is quiet: of eight parts within a third …"""
 ROCKING = 0.85
 """… and a nearly flat one longer by this share of the time in which the far side comes down over the whole base: 0.2 to 1.35."""
 TRIED, TRIALS = 200, 3
@@ -141,7 +141,7 @@ def impact_times(simulator: DropSimulator) -> tuple[float, float]:
         return test.window or 0.0, test.window or 0.0
     vertices, standing = simulator.part.surface.vertices, simulator.part.shape.level_base.standing
     stands = vertices[standing] if standing.any() else vertices
-    flat = RINGING * simulator.period + LEAST_CONTACT
+    flat = (CONTACT + test.quiet) * simulator.period + LEAST_CONTACT
     return flat, flat + ROCKING * math.tan(math.radians(TILT)) * float(np.ptp(stands[:, :2], axis=0).max()) / test.speed
 
 

@@ -20,8 +20,8 @@ from mechstyle.fea.snapshots import snapshot
 from mechstyle.geometry.proximity import TriangleTree
 from mechstyle.loop import minimum_wall as walls
 from mechstyle.pictures import fields
-from mechstyle.pictures.panels import Picture, field_panel, picture, verdict_note
-from mechstyle.records import Recipe, Simulation, Verdict
+from mechstyle.pictures.panels import Picture, field_panel, picture
+from mechstyle.records import Recipe, Simulation, Verdict, sentences
 from mechstyle.records.landings import with_drops
 from mechstyle.records.load_cases import LoadCase, load_cases
 from mechstyle.records.material import Material, material_named
@@ -102,11 +102,11 @@ class PartTest:
         decides, surface = self.verdict.deciding, self.surface
         stress = fields.in_the_test(fields.quantities(self.recipe, self.verdict)[0], decides)
         if decides is None:
-            return picture([field_panel(surface, stress, self.simulation.stress, title="stress", note=verdict_note(self.verdict))])
+            return picture([field_panel(surface, stress, self.simulation.stress, title="stress", note=sentences.note(self.verdict))])
         panels: list[Panel] = []
         values, first = stress.of(self.simulation), f"stress, {decides.load or decides.landing}"
         for view, title in (("three_quarter", first), ("front", "from the front"), ("below", "from below")):
-            note = verdict_note(self.verdict) if not panels else ""
+            note = sentences.note(self.verdict) if not panels else ""
             panels.append(field_panel(surface, stress, values, title=title, view=view, note=note))
         others = [landing for landing in self.simulation.landings if landing.name != decides.landing]
         if others:

@@ -16,6 +16,7 @@ from mechstyle.errors import BadInput, MechStyleError
 from mechstyle.fea.explicit import no_progress
 from mechstyle.gallery import load
 from mechstyle.records import sentences
+from mechstyle.records.written import written
 from mechstyle.runs.recipes import draft
 from mechstyle.runs.report.reproduce import options, settings_for
 from mechstyle.runs.report.result import Result, read_result
@@ -96,7 +97,7 @@ class Handed:
     def lines(self) -> list[tuple[str, ...]]:
         """The table: headings, then a line for each report; what fails, or is of another fall, has no place."""
         placed = [(str(place) if _passes(one) else "–", *_cells(who, one)) for place, (who, one) in enumerate(self.ranked, 1)]
-        apart = [("–", *_cells(f"{who}, of a fall of {sentences.fall(one.fall)}", one)) for who, one in self.others]
+        apart = [("–", *_cells(f"{who}, of a fall of {written(one.fall)}", one)) for who, one in self.others]
         return [COLUMNS, *placed, *apart]
 
 

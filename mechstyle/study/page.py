@@ -13,7 +13,8 @@ import numpy as np
 
 from mechstyle._files import write_whole
 from mechstyle.errors import BadInput
-from mechstyle.records.sentences import EXPLANATION, MEANINGS, fall, length
+from mechstyle.records.sentences import EXPLANATION, MEANINGS, length
+from mechstyle.records.written import written
 from mechstyle.study import figures, statistics
 from mechstyle.study.ablation import markdown
 from mechstyle.study.cells import Row, write_table
@@ -124,7 +125,7 @@ def _what(own: Sequence[Row], done: Sequence[Row]) -> str:
     sizes, seeds = sorted({row.tetrahedra for row in done}), len({row.seed for row in done})
     tetrahedra = str(sizes[0]) if len(sizes) == 1 else f"{sizes[0]} to {sizes[-1]}"
     iterations, vertices = (_either(sorted({getattr(row, field) for row in done})) for field in ("iterations", "vertices"))
-    falls, sure = " and ".join(fall(height) for height in sorted({row.fall for row in done})), sum(row.sure for row in done)
+    falls, sure = " and ".join(written(height) for height in sorted({row.fall for row in done})), sum(row.sure for row in done)
     hours = sum(row.cpu_seconds for row in done) / 3600.0
     text = (
         f"{len(done)} runs: {len(models)} models in {len(styles)} styles, {iterations} iterations, {vertices} vertices, "

@@ -20,16 +20,11 @@ NO_PLACE = (
 
 @dataclass
 class Clause:
-    """The items of one wish.
+    """The items of one wish."""
 
-    Attributes:
-        items: What it says, its place included.
-        titled: Whether its place stands before a colon.
-        parts: What it says of parts of the thing, such as "gold eyes": they do not have its style, and it does not have theirs.
-    """
-
-    items: list[Item]
-    titled: bool = False
+    items: list[Item]  # what it says, its place included
+    titled: bool = False  # whether its place stands before a colon
+    # what it says of parts of the thing, such as "gold eyes": they do not have its style, and it does not have theirs
     parts: list[Item] = field(default_factory=list)
 
     @property
@@ -59,14 +54,9 @@ class Clause:
 
 
 def clauses_of(items: Sequence[Item], *, whole: bool = False) -> list[Clause]:
-    """The items by the wish they belong to.
+    """The items by the wish they belong to; BadInput if a place before a colon is not known.
 
-    Args:
-        items: What was read.
-        whole: Whether what is said of parts of the thing counts for all of it.
-
-    Raises:
-        BadInput: If a place before a colon is not known.
+    With `whole`, what is said of parts of the thing counts for all of it.
     """
     groups: list[Clause] = []
     for piece in _pieces(items):
@@ -130,11 +120,7 @@ def _split(items: Sequence[Item], marks: Collection[str]) -> Iterator[list[Item]
 
 
 def _title(clause: Sequence[Item], colon: int) -> int | None:
-    """Where the title before a colon begins; None if it is none ("style: brick").
-
-    Raises:
-        BadInput: If it names a place that is not known.
-    """
+    """Where the title before a colon begins; None if it is none ("style: brick"); BadInput for a place that is not known."""
     start = colon
     while start and (isinstance(item := clause[start - 1], Place) or is_thing(item) or (not is_content(item) and meaning(item) != ":")):
         start -= 1

@@ -22,27 +22,16 @@ _TAIL = 0.1, 0.9  # diffused shares that count as none, and as all
 
 
 class Places(NamedTuple):
-    """Where each wish of a prompt is drawn.
+    """Where each wish of a prompt is drawn."""
 
-    Attributes:
-        shares: How much of each wish there is at a vertex, in [0, 1]; what is missing to 1 is plain, shape [wish_count, vertex_count].
-        notes: A sentence on each place.
-    """
-
-    shares: Floats
-    notes: tuple[str, ...]
+    shares: Floats  # how much of each wish there is at a vertex, in [0, 1]; what is missing to 1 is plain, shape [wish_count, vertex_count]
+    notes: tuple[str, ...]  # a sentence on each place
 
 
 def places(reading: Reading, surface: SurfaceMesh, thickness: ArrayLike) -> Places:
     """The shares of the wishes of a prompt; where several meet, the one of the smaller place counts.
 
-    Args:
-        reading: The prompt.
-        surface: The unstylized part.
-        thickness: Local wall thickness [mm], shape [n].
-
-    Raises:
-        BadInput: If a place holds nothing of this part, or none is left of it.
+    Thickness in mm, shape [n]. BadInput if a place holds nothing of this part, or none is left of it.
     """
     wishes = reading.wishes
     if len(wishes) == 1 and not wishes[0].place:
@@ -78,13 +67,7 @@ def _held(wish: Wish, surface: SurfaceMesh, thickness: ArrayLike) -> Bools:
 
 
 def combined(surface: SurfaceMesh, targets: Sequence[Target], shares: Floats) -> Target:
-    """Targets of wishes that were each drawn all over a surface as one, without a step or a fold where they meet.
-
-    Args:
-        surface: The unstylized part.
-        targets: One for each wish.
-        shares: Of each at each vertex, as `places` gives them.
-    """
+    """Targets of wishes, each drawn all over a surface, as one by their shares, without a step or a fold where they meet."""
     if len(targets) == 1 and (shares == 1.0).all():
         return targets[0]
     relief = np.einsum("ij,ij->j", shares, np.stack([target.displacement for target in targets]), dtype=np.float64)

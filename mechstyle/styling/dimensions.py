@@ -40,41 +40,26 @@ _THICKNESS_SLOPE = 0.3  # how fast the relief may grow along the surface where t
 
 @dataclass(frozen=True, eq=False)
 class Layout:
-    """Where a relief lies on the walls of a part.
+    """Where a relief lies on the walls of a part."""
 
-    Attributes:
-        side: Where it goes from the surface, one of SIDES.
-        depth: From its lowest to its highest [mm], shape [n].
-        room: How much of that may be cut into the wall [mm], shape [n].
-        span: What counts as a height from the lowest to the highest, None for that of the style as it is drawn.
-        notes: What the user should know of it, in sentences.
-    """
-
-    side: str
-    depth: Floats
-    room: Floats
-    span: float | None
-    notes: tuple[str, ...]
+    side: str  # where it goes from the surface, one of SIDES
+    depth: Floats  # from its lowest to its highest [mm], shape [n]
+    room: Floats  # how much of that may be cut into the wall [mm], shape [n]
+    span: float | None  # what counts as a height from the lowest to the highest, None for that of the style as it is drawn
+    notes: tuple[str, ...]  # what the user should know of it, in sentences
 
     def displacement(self, height: Floats, areas: Floats, cover: Floats | None = None) -> Floats:
         """The displacement [mm] of a relief as a style draws it, shape [n]; on both sides no volume is gained or lost to first order.
 
-        Args:
-            height: Of the relief, shape [n].
-            areas: Of the vertices, shape [n].
-            cover: As in `Relief`.
+        The areas are those of the vertices, shape [n]; `cover` is as in `Relief`.
         """
-        if cover is not None:
-            return cover * self._displacement(height, areas * cover, (-1.0, 1.0))
-        return self._displacement(height, areas, _range(height, areas))
-
-    def _displacement(self, height: Floats, areas: Floats, ends: tuple[float, float]) -> Floats:
-        low, high = ends
+        low, high = _range(height, areas) if cover is None else (-1.0, 1.0)
         span = high - low if self.span is None else self.span
         gain = self.depth / span if span > 0.0 else np.zeros_like(self.depth)
-        weight = areas * gain
+        weight = (areas if cover is None else areas * cover) * gain
         mean = float(weight @ height / weight.sum()) if weight.sum() > 0.0 else 0.0
-        return gain * (height - mean) + self._shift(gain * (mean - low), gain * (high - mean))
+        relief = gain * (height - mean) + self._shift(gain * (mean - low), gain * (high - mean))
+        return relief if cover is None else cover * relief
 
     @property
     def reach(self) -> tuple[Floats, Floats]:
@@ -125,13 +110,10 @@ class Dimensions:
         return Canvas(mesh, seed, size, wish.colour, wish.shade, nozzle=self.nozzle)
 
     def layout(self, operators: Operators, thickness: ArrayLike, feature: float | None, amount: float = 1.0) -> Layout:
-        """Depth and place of a relief on the walls of a part.
+        """Depth and place of a relief on walls of a local thickness [mm], shape [n].
 
-        Args:
-            operators: Those of the part.
-            thickness: Local wall thickness [mm], shape [n].
-            feature: Size of the style's feature [mm]: no wall counts as thicker, or a solid ball would grow spikes. None if it has none.
-            amount: Factor of the prompt on a depth that is not given in mm.
+        No wall counts as thicker than the style's `feature` [mm], or a solid ball would grow spikes; None if it has none. `amount` is the
+        factor of the prompt on a depth that is not given in mm.
         """
         wall = np.asarray(thickness, dtype=np.float64)
         counted = wall if feature is None else np.minimum(wall, feature)

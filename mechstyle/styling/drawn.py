@@ -47,16 +47,9 @@ class Target(NamedTuple):
 
 
 def target(
-    mesh: SurfaceMesh,
-    wish: Wish,
-    dimensions: Dimensions,
-    *,
-    seed: int,
-    thickness: ArrayLike,
-    inward: ArrayLike,
-    outward: ArrayLike,
+    mesh: SurfaceMesh, wish: Wish, dimensions: Dimensions, *, seed: int, thickness: ArrayLike, inward: ArrayLike, outward: ArrayLike,
     canvas: Canvas | None = None,
-) -> Target:
+) -> Target:  # fmt: skip
     """Draw a style on a part, as deep as its walls bear and as is asked for, within limits, without folds.
 
     Args:
@@ -97,15 +90,7 @@ def tinted(relief: Relief, wish: Wish) -> Floats:
 
 
 def canvas_for(recipe: Recipe, wish: Wish, mesh: SurfaceMesh, thickness: ArrayLike, raster: Raster | None) -> Canvas:
-    """What to draw a wish of a recipe on.
-
-    Args:
-        recipe: Says how large, and how a picture lies.
-        wish: What the prompt asks for.
-        mesh: The unstylized part.
-        thickness: Local wall thickness [mm], shape [n].
-        raster: The recipe's picture, None if it has none.
-    """
+    """What to draw a wish of a recipe on, with walls of a local thickness [mm], shape [n], and the recipe's picture, if it has one."""
     dimensions = Dimensions.of(recipe, wish)
     if wish.style != PICTURE or raster is None:
         return dimensions.canvas(mesh, thickness, wish, recipe.style.seed)

@@ -181,10 +181,7 @@ def _reach(length: Length, rest: list[Item]) -> Place | None:
 def _numbers_after(kind: str, rest: list[Item], *, bare: bool) -> list[float] | None:
     """Take the numbers that belong to a place from what stands after its first word; None if it needs more than there are.
 
-    Args:
-        kind: The first word of its notation.
-        rest: What stands after it.
-        bare: Whether it has no article; a length then rather belongs to what follows: "on top 5 mm bricks".
+    With no article (`bare`) a length rather belongs to what follows: "on top 5 mm bricks".
     """
     needed = english.NEEDS_NUMBERS.get(kind, 0)
     most = needed or int(kind in english.TAKES_A_NUMBER)

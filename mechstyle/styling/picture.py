@@ -56,10 +56,7 @@ def _coloured(canvas: Canvas, colours: Floats, cover: Floats) -> Floats:
 
 
 STYLE = Style(
-    name=NAME,
-    description="a picture of yours, as relief, as colours or as both",
-    feature_mm=1.0,
-    program=picture,
+    name=NAME, description="a picture of yours, as relief, as colours or as both", feature_mm=1.0, program=picture
 )
 """It belongs to no library: it draws nothing without a picture. Its feature is the usual width of light and dark in it."""
 
@@ -67,15 +64,9 @@ STYLE = Style(
 def placed_on(
     mesh: SurfaceMesh, raster: Raster, recipe: Recipe, width: float | None, size: float, where: tuple[Region, ...] = ()
 ) -> PlacedPicture:
-    """A picture as a recipe asks for it on a part.
+    """A picture as a recipe asks for it on a part, of a width [mm] as prompt or recipe give it, times a size if neither does.
 
-    Args:
-        mesh: The part.
-        raster: The picture.
-        recipe: Says how.
-        width: Width of the picture as prompt or recipe give it [mm], None if neither does.
-        size: Factor of the prompt on a width that is not given.
-        where: The places it is for: a picture that is thrown from one side comes from the end that is among them.
+    One that is thrown from one side comes from the end that is among the places it is for.
     """
     repeated = recipe.style.image_layout == "tiled"
     printable = min(recipe.delivery.nozzle / raster.finest, LARGEST_SHARE * float(mesh.extents.max()))

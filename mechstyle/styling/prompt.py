@@ -67,31 +67,19 @@ _DARK_RECESS, _LIGHT_RECESS = "charcoal", "off_white"  # joints that are asked f
 
 
 class Wish(msgspec.Struct, frozen=True):
-    """What a prompt asks for at one place of a part, or all over it.
+    """What a prompt asks for at one place of a part, or all over it."""
 
-    Attributes:
-        style: Name of a style of the library; "" for no relief.
-        size: Factor on the size of its features.
-        amount: Factor on the height of its relief.
-        colour: Display RGB in [0, 1] of its body, None for the style's own colours.
-        shade: Below 1 the style's own colours are darker, above 1 lighter; 1 beside a colour, which is shaded already.
-        second: Display RGB in [0, 1] of the low places of its relief, such as joints, None for the style's own.
-        feature: Size of its features [mm], None if the prompt tells none.
-        relief: Depth of its relief from its lowest to its highest [mm], None if the prompt tells none.
-        where: The regions it is to cover; none for all of the part. Where several wishes meet, the smaller place counts.
-        spared: Regions it is not to cover.
-    """
-
-    style: str
-    size: float = 1.0
-    amount: float = 1.0
-    colour: Rgb | None = None
-    shade: float = 1.0
-    second: Rgb | None = None
-    feature: float | None = None
-    relief: float | None = None
+    style: str  # name of a style of the library; "" for no relief
+    size: float = 1.0  # factor on the size of its features
+    amount: float = 1.0  # factor on the height of its relief
+    colour: Rgb | None = None  # display RGB in [0, 1] of its body, None for the style's own colours
+    shade: float = 1.0  # below 1 the style's own colours are darker, above 1 lighter; 1 beside a colour, which is shaded already
+    second: Rgb | None = None  # display RGB in [0, 1] of the low places of its relief, such as joints, None for the style's own
+    feature: float | None = None  # size of its features [mm], None if the prompt tells none
+    relief: float | None = None  # depth of its relief from its lowest to its highest [mm], None if the prompt tells none
+    # the regions it is to cover; none for all of the part. Where several wishes meet, the smaller place counts
     where: tuple[Region, ...] = ()
-    spared: tuple[Region, ...] = ()
+    spared: tuple[Region, ...] = ()  # regions it is not to cover
 
     @property
     def words(self) -> str:
@@ -115,15 +103,10 @@ class Wish(msgspec.Struct, frozen=True):
 
 
 class Reading(msgspec.Struct, frozen=True):
-    """A prompt as it was read.
+    """A prompt as it was read."""
 
-    Attributes:
-        wishes: What it asks for, a wish for each place; at least one names a style.
-        notes: What was guessed, left out or not understood, and what it would take, in sentences.
-    """
-
-    wishes: tuple[Wish, ...]
-    notes: tuple[str, ...] = ()
+    wishes: tuple[Wish, ...]  # what it asks for, a wish for each place; at least one names a style
+    notes: tuple[str, ...] = ()  # what was guessed, left out or not understood, and what it would take, in sentences
 
     @property
     def words(self) -> str:
@@ -213,17 +196,11 @@ def _wish(clause: Clause, notes: list[str]) -> tuple[Wish, bool]:
     places = [item for item in items if isinstance(item, Place)]
     everywhere = any(place.region is None and not place.spared for place in places)
     wish = Wish(
-        style=style,
-        size=_factor(items, english.SIZES, _SIZE_RANGE),
-        amount=_factor(items, english.AMOUNTS, _AMOUNT_RANGE),
-        colour=colour,
-        shade=shade,
-        second=second,
-        feature=_length(items, FEATURES, notes, deep=False),
-        relief=_length(items, RELIEFS, notes, deep=True),
+        style=style, size=_factor(items, english.SIZES, _SIZE_RANGE), amount=_factor(items, english.AMOUNTS, _AMOUNT_RANGE), colour=colour,
+        shade=shade, second=second, feature=_length(items, FEATURES, notes, deep=False), relief=_length(items, RELIEFS, notes, deep=True),
         where=() if everywhere else tuple(dict.fromkeys(place.region for place in places if place.region and not place.spared)),
         spared=tuple(dict.fromkeys(place.region for place in places if place.region and place.spared)),
-    )
+    )  # fmt: skip
     return (msgspec.structs.replace(wish, amount=1.0) if clause.plain else wish), clause.named or clause.plain
 
 
@@ -294,16 +271,11 @@ def _length(items: Sequence[Item], limits: tuple[float, float], notes: list[str]
 
 
 def _colours(items: Sequence[Item], alike: set[str], notes: list[str]) -> tuple[Rgb | None, Rgb | None]:
-    """Colour of the body and of its recesses: the first one named for each.
-
-    Args:
-        items: The items of a wish.
-        alike: Words that ask for its style, which are no colours unless they are shaded.
-        notes: Takes a sentence on what is left out.
-    """
+    """Colour of the body and of its recesses: the first named for each; words `alike` its style are no colours unless they are shaded."""
     body: Word | None = None
     recesses: Word | None = None
     left_out = []
+    other_styles = english.styles().keys() - alike - english.COLOURS.keys()
     for at, item in enumerate(items):
         means, of_recesses = meaning(item).removeprefix("~"), _of_recesses(items, at)
         if means in english.SHADES and of_recesses and recesses is None:
@@ -311,9 +283,10 @@ def _colours(items: Sequence[Item], alike: set[str], notes: list[str]) -> tuple[
         if not isinstance(item, Word) or means not in english.COLOURS or (item.means in alike and item.shade == 1.0):
             continue
         word = item._replace(means=means)
-        if alike and _of_another_style(items, at, alike):
-            left_out.append(means)
-        elif recesses is None and (of_recesses or (body is not None and _neighbours(items, at)[0] != "or")):
+        before, after = _neighbours(items, at)
+        if alike and ((after in other_styles and before not in alike) or (before in other_styles and after not in alike)):
+            left_out.append(means)  # said of a style that is left out: "leather with brass studs"
+        elif recesses is None and (of_recesses or (body is not None and before != "or")):
             recesses = word
         elif body is None and not of_recesses:
             body = word
@@ -337,13 +310,6 @@ def _of_recesses(items: Sequence[Item], at: int) -> bool:
     """Whether a colour is said of the low places of a relief: "gold seams", "seams in gold"."""
     before, after = _neighbours(items, at)
     return after in english.RECESSES or (before in english.RECESSES and after not in english.styles())
-
-
-def _of_another_style(items: Sequence[Item], at: int, alike: set[str]) -> bool:
-    """Whether a colour is said of a style that is left out: "leather with brass studs"."""
-    others = english.styles().keys() - alike - english.COLOURS.keys()
-    before, after = _neighbours(items, at)
-    return (after in others and before not in alike) or (before in others and after not in alike)
 
 
 _UNSAID = Wish("")

@@ -45,19 +45,12 @@ class Row(NamedTuple):
 
 
 class Meaning(NamedTuple):
-    """What a word says about the style.
+    """What a word says about the style."""
 
-    Attributes:
-        style: Name of a style of the library.
-        rank: How strong the word is: 0 names it, larger numbers yield to smaller ones.
-        near: Whether the word only comes near the style.
-        colours: Words for the colours of what it means, of its body and of its recesses; none for the style's own.
-    """
-
-    style: str
-    rank: int
-    near: bool = False
-    colours: tuple[str, ...] = ()
+    style: str  # name of a style of the library
+    rank: int  # how strong the word is: 0 names it, larger numbers yield to smaller ones
+    near: bool = False  # whether the word only comes near the style
+    colours: tuple[str, ...] = ()  # words for the colours of what it means, of its body and of its recesses; none for the style's own
 
     @property
     def words(self) -> str:

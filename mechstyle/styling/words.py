@@ -35,17 +35,11 @@ _FIRM = 6  # letters from which on one of them may be another: shorter words are
 
 
 class Word(NamedTuple):
-    """A word, number or mark of a prompt.
+    """A word, number or mark of a prompt."""
 
-    Attributes:
-        text: As typed, in lower case and without accents.
-        means: The English word of the vocabulary, or of a style, that it stands for; a mark or number for itself; "" for none.
-        shade: How light a colour is to be: below 1 darker, above 1 lighter.
-    """
-
-    text: str
-    means: str
-    shade: float = 1.0
+    text: str  # as typed, in lower case and without accents
+    means: str  # the English word of the vocabulary, or of a style, that it stands for; a mark or number for itself; "" for none
+    shade: float = 1.0  # how light a colour is to be: below 1 darker, above 1 lighter
 
     @property
     def number(self) -> float | None:

@@ -29,11 +29,13 @@ import pytest
 from PIL import Image
 from playwright.sync_api import Browser, BrowserContext, Locator, Page, sync_playwright
 
-from mechstyle.gallery import make, names
+from mechstyle.gallery import names
 from mechstyle.runs.run import Run, stylize
 from mechstyle.styling import library
 from mechstyle_widgets.settings import thumbnails
 from support import ROOT
+from support.forked_kernels import kernel_server
+from support.knob import SETTINGS, knob
 
 SCREENSHOTS = ROOT / "build" / "browser"
 START = 120  # JupyterLab on two busy cores [s]
@@ -52,6 +54,9 @@ ARGUMENTS = [  # WebGL without a graphics card, and a browser that keeps to itse
 LAB_IS_IDLE = """() => {
     const session = window.jupyterapp?.shell?.currentWidget?.sessionContext;
     return session?.session?.kernel?.status === 'idle';
+}"""
+SHUT_DOWN = """async () => {
+    try { await window.jupyterapp?.shell?.currentWidget?.sessionContext?.shutdown(); } catch { /* it was killed, and is being started */ }
 }"""
 EXECUTE = """async code => {
     const kernel = window.jupyterapp.shell.currentWidget.sessionContext.session.kernel;
@@ -100,7 +105,8 @@ class Notebook:
     errors: list[str] = field(default_factory=list)
 
     def open(self, *cells: str) -> Notebook:
-        """Write the cells into a notebook, open it and run them all."""
+        """Write the cells into a notebook, open it with a kernel of its own, whose widgets are these alone, and run them all."""
+        self.page.evaluate(SHUT_DOWN)
         notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(cell) for cell in cells])
         notebook.metadata["kernelspec"] = {"name": "python3", "display_name": "Python 3", "language": "python"}
         nbformat.write(notebook, self.lab.folder / f"{self.name}.ipynb")
@@ -254,18 +260,19 @@ def jupyter_lab(home: Path, folder: Path) -> Iterator[Lab]:
     command = [sys.executable, "-m", "jupyterlab", "--no-browser", "--allow-root", f"--port={port}", "--ServerApp.port_retries=0"]
     command += ["--ServerApp.ip=127.0.0.1", f"--IdentityProvider.token={token}", f"--ServerApp.root_dir={folder}"]
     command += ["--LabApp.expose_app_in_browser=True"]
-    with (home / "log").open("w") as log:
-        process = subprocess.Popen(command, stdout=log, stderr=log, env=private(home), start_new_session=True)
-    lab = Lab(f"http://127.0.0.1:{port}/", token, folder)
-    try:
-        wait_for(lab, process, home / "log")
-        yield lab
-    finally:
-        os.killpg(process.pid, signal.SIGTERM)
+    lab, own = Lab(f"http://127.0.0.1:{port}/", token, folder), private(home)
+    with kernel_server(home, own) as forked, (home / "log").open("w") as log:
+        process = subprocess.Popen(command, stdout=log, stderr=log, env={**own, **forked}, start_new_session=True)
         try:
-            process.wait(15)
-        except subprocess.TimeoutExpired:
-            os.killpg(process.pid, signal.SIGKILL)
+            wait_for(lab, process, home / "log")
+            yield lab
+        finally:
+            os.killpg(process.pid, signal.SIGTERM)
+            try:
+                process.wait(15)
+            except subprocess.TimeoutExpired:
+                os.killpg(process.pid, signal.SIGKILL)
+                process.wait()
 
 
 def private(home: Path) -> dict[str, str]:
@@ -301,7 +308,7 @@ def notebook(visitor: BrowserContext, lab: Lab, request: pytest.FixtureRequest) 
     page.on("pageerror", lambda error: None if DEAF in str(error) else opened.errors.append(str(error)))
     page.on("console", lambda said: opened.errors.append(said.text) if said.type == "error" and OURS.search(said.text) else None)
     yield opened
-    page.evaluate("() => window.jupyterapp?.shell?.currentWidget?.sessionContext?.shutdown()")
+    page.evaluate(SHUT_DOWN)
     page.close()
     assert opened.asked_outside == []
     assert opened.errors == []
@@ -310,9 +317,6 @@ def notebook(visitor: BrowserContext, lab: Lab, request: pytest.FixtureRequest) 
 @pytest.fixture(scope="session")
 def finished_run(tmp_path_factory: pytest.TempPathFactory) -> Run:
     """A small run on disk, with a branch."""
-    run = stylize(
-        make("pen_holder"), "brick", vertices=2000, iterations=12, orientations=1, schedule="every", every=4,
-        nearly_flat=False, window=0.3, element="tet4", out=tmp_path_factory.mktemp("runs") / "part", name="pen holder", device="cpu",
-    )
+    run = stylize(knob(), out=tmp_path_factory.mktemp("runs") / "part", name="griff", device="cpu", **SETTINGS)
     run.branch(6, lane="frozen", control="frozen").go()
     return run

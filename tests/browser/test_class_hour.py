@@ -36,6 +36,9 @@ OUTCOME = re.compile("HOLDS|NO WORSE|FAILS")
 SETTLING = 20_000  # a width and all that follows it [ms]
 CELLS = "() => window.jupyterapp.shell.currentWidget.content.widgets.length"
 MARKS = "() => document.querySelectorAll('.mechstyle-studio .js-plotly-plot path.point').length"
+TESTED = """() => { const told = document.querySelector('.mechstyle-studio .js-plotly-plot').textContent;
+    return /HOLDS|NO WORSE|FAILS/.test(told) && !told.includes('Nothing has run yet'); }"""
+"""Whether the timeline shows what was simulated, not the plan."""
 UNRULY = """() => {
     const root = document.querySelector('.mechstyle-studio'), edge = root.getBoundingClientRect().right + 1, found = [];
     for (const one of root.querySelectorAll('*')) {
@@ -183,6 +186,7 @@ def test_after_a_reload_it_is_what_the_kernel_has(hour):
     assert badge(hour).inner_text() == told
     hour.drawn()
     hour.page.wait_for_function(f"({MARKS})() >= 3")
+    hour.page.wait_for_function(TESTED)  # what a figure was given before this page heard of it may be lost
     assert hour.python("print(studio.state.lane, studio.state.iteration)") == now
 
 

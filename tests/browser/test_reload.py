@@ -9,34 +9,6 @@ from support.lanes import lane_on_a_sheet
 pytestmark = pytest.mark.browser
 
 PREVIEWED = "Changes as you choose"
-TEXT = "document.querySelector('.mechstyle-timeline .js-plotly-plot')?.textContent ?? ''"
-
-
-@pytest.fixture(scope="module")
-def shown(notebook, tmp_path_factory):
-    root = lane_on_a_sheet(tmp_path_factory.mktemp("run") / "run", iterations=12).store.root
-    return notebook.open(
-        """
-from mechstyle import Run
-from mechstyle_widgets import StudioState
-from mechstyle_widgets import Timeline
-state = StudioState()
-timeline = Timeline(state)
-timeline
-""",
-        f"""
-run = Run.open({str(root)!r})
-""",
-    )
-
-
-def test_the_timeline_after_a_reload_is_that_of_the_kernel(shown):
-    shown.page.wait_for_function(f"({TEXT}).includes('Nothing has run yet')")
-    shown.python("state.open(run)")
-    shown.page.wait_for_function(f"({TEXT}).includes('HOLDS') && !({TEXT}).includes('Nothing has run yet')")
-    shown.page.evaluate("() => window.jupyterapp.commands.execute('docmanager:save')")
-    shown.page.reload(wait_until="domcontentloaded")
-    shown.page.wait_for_function(f"({TEXT}).includes('HOLDS') && !({TEXT}).includes('Nothing has run yet')")
 
 
 LATE = """() => {
@@ -56,36 +28,50 @@ DEAF = """() => {
 """A page so busy that no script of a widget comes within anywidget's two seconds."""
 
 
-@pytest.mark.parametrize("busy", [LATE, DEAF], ids=["late", "deaf"])
-def test_two_views_of_one_studio_are_there_again_after_a_reload(notebook, busy):
-    notebook.open("from mechstyle_widgets import Studio\nstudio = Studio(vertices=4000)\nstudio", "studio")
+SLOWLY = """
+import time
+from mechstyle_widgets.state import preview
+drawn = preview.finished_style
+preview.finished_style = lambda *given: time.sleep(2.0) or drawn(*given)
+studio.prompt_box.prompt = 'knit'
+"""
+"""A style that takes longer to draw than a page to go."""
+
+
+@pytest.fixture(scope="module")
+def both(notebook):
+    """Two views of one Studio, on show and saved."""
+    notebook.open("from mechstyle_widgets import Studio\nstudio = Studio()\nstudio", "studio")
     notebook.drawn(1)
     # The list is answered while a preview is drawn (tests/widgets/jupyter/test_one_thread.py), which may close what it names.
     notebook.page.get_by_text(PREVIEWED).first.wait_for()
     notebook.page.evaluate("() => window.jupyterapp.commands.execute('docmanager:save')")
-    notebook.page.add_init_script(f"({busy})()")
-    notebook.page.reload(wait_until="domcontentloaded")
-    for number in range(2):
-        notebook.page.locator(".mechstyle-studio").nth(number).locator(".js-plotly-plot .main-svg").first.wait_for()
-        notebook.drawn(number)
-    notebook.python("studio.prompt_box.prompt = 'wood'")
-    for number in range(2):
-        notebook.page.locator(".mechstyle-studio").nth(number).locator("[aria-pressed=true]", has_text="wood").first.wait_for()
-    assert notebook.page.get_by_text("Error displaying widget").count() == 0
+    return notebook
 
 
-def test_a_page_that_is_loaded_anew_while_a_style_is_drawn_shows_that_style(notebook):
-    notebook.open("from mechstyle_widgets import Studio\nstudio = Studio('gallery:vase', vertices=4000)\nstudio", "studio")
-    notebook.drawn(0)
-    notebook.page.get_by_text(PREVIEWED).first.wait_for()
-    notebook.page.evaluate("() => window.jupyterapp.commands.execute('docmanager:save')")
-    notebook.python("studio.prompt_box.prompt = 'knit'")  # which takes longer to draw than the page to go
-    notebook.page.reload(wait_until="domcontentloaded")
-    studio = notebook.page.locator(".mechstyle-studio").first
+def test_a_page_that_is_loaded_anew_while_a_style_is_drawn_shows_that_style(both):
+    both.python(SLOWLY)
+    both.page.reload(wait_until="domcontentloaded")
+    studio = both.page.locator(".mechstyle-studio").first
     studio.locator("[aria-pressed=true]", has_text="knit").first.wait_for()
     studio.get_by_text(PREVIEWED).first.wait_for()
-    notebook.drawn(0)
-    assert notebook.page.get_by_text("Error displaying widget").count() == 0
+    both.drawn(0)
+    assert both.page.get_by_text("Error displaying widget").count() == 0
+    both.python("preview.finished_style = drawn")
+
+
+def test_two_views_of_one_studio_are_there_again_after_a_reload_of_a_busy_page(both):
+    both.page.evaluate("() => window.jupyterapp.commands.execute('docmanager:save')")
+    for busy in (LATE, DEAF):
+        both.page.add_init_script(f"({busy})()")
+    both.page.reload(wait_until="domcontentloaded")
+    for number in range(2):
+        both.page.locator(".mechstyle-studio").nth(number).locator(".js-plotly-plot .main-svg").first.wait_for()
+        both.drawn(number)
+    both.python("studio.prompt_box.prompt = 'wood'")
+    for number in range(2):
+        both.page.locator(".mechstyle-studio").nth(number).locator("[aria-pressed=true]", has_text="wood").first.wait_for()
+    assert both.page.get_by_text("Error displaying widget").count() == 0
 
 
 OUTPUTS = """() => [...document.querySelectorAll('.jp-OutputArea-child')].map(one => [

@@ -31,7 +31,7 @@ def shown(notebook, finished_run):
     opened = notebook.open(
         f"""
 from mechstyle_widgets import Studio
-studio = Studio({str(finished_run.store.root)!r})
+studio = Studio({str(finished_run.store.root)!r}, language="de")
 studio
 """
     )
@@ -77,12 +77,14 @@ def test_what_is_passed_is_drawn_without_the_kernel_and_as_the_kernel_draws_it(s
     assert shown.page.evaluate(SAID) == before, "the kernel hears nothing while it is dragged"
     assert shown.python("print(studio.state.iteration)") == "12"
     alike = shown.difference(by_page, by_kernel)
-    assert alike < 0.3 * shown.difference(by_kernel, last), "stress is cut off at what is judged: few pixels differ at all"
-    assert alike < 0.001
+    # The page draws in the scale of what the kernel shows, whose end moves with the stress that decides: by a thousandth from 4 to 12.
+    share, most = (0.7, 0.005) if layer == "stress" else (0.3, 0.001)
+    assert alike < share * shown.difference(by_kernel, last), "stress is cut off at what is judged: few pixels differ at all"
+    assert alike < most
     shown.page.mouse.up()
     shown.page.wait_for_function(DRAWN, arg=f"{layer} 4")
     shown.page.wait_for_function("!document.querySelector('.mechstyle-passing')")
-    assert shown.difference(shown.pixels(shown.canvas()), by_kernel) < 0.001
+    assert shown.difference(shown.pixels(shown.canvas()), by_kernel) < most
 
 
 def test_back_where_it_was_the_kernel_has_nothing_to_draw_and_the_picture_is_its_own(shown):
@@ -106,7 +108,7 @@ def test_keys_step_and_the_kernel_follows_when_they_rest(shown):
 
 def test_it_plays_to_the_end_and_tells_the_kernel_then(shown):
     shown.page.evaluate("() => { window.said = []; window.passed = []; }")
-    shown.page.get_by_role("button", name="Play").click()
+    shown.page.get_by_role("button", name="Abspielen").click()
     shown.until("studio.state.iteration", ITERATIONS)
     assert shown.page.evaluate("() => new Set(window.passed).size") > 1
     assert shown.page.evaluate("""() => window.said.filter(text => text.includes('"state":{"value"')).length""") == 1
@@ -124,20 +126,11 @@ WRITTEN = """() => {
 }"""
 
 
-def test_a_page_in_german_has_no_word_of_english(notebook, finished_run):
+def test_a_page_in_german_has_no_word_of_english(shown):
     """The slider said "12 of 12" and "iteration": what a script of the page says came from no table."""
-    notebook.open(
-        f"""
-from mechstyle_widgets import Studio
-studio = Studio({str(finished_run.store.root)!r}, language="de")
-studio
-"""
-    )
-    notebook.page.locator(SLIDER).wait_for()
-    notebook.drawn()
-    notebook.page.wait_for_function(PACKED)
-    notebook.page.locator(".mechstyle-studio .js-plotly-plot .main-svg").first.wait_for()
-    texts = notebook.page.evaluate(WRITTEN)
+    kernel_draws(shown, "style", ITERATIONS)
+    shown.page.locator(".mechstyle-studio .js-plotly-plot .main-svg").first.wait_for()
+    texts = shown.page.evaluate(WRITTEN)
     assert any(text.startswith("Schritt 12 von 12, ") for text in texts), "what is heard of the slider tells its verdict"
     assert {"Schritt", "12 von 12", "Abspielen", "Start", "Ganzer Bildschirm"} <= {*texts}
     assert {text: found for text in texts if (found := english_in(text))} == {}

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from support import ROOT
+
 pytestmark = pytest.mark.browser
 
-SETTINGS = 'prompt="brick", vertices=2000, iterations=12, orientations=1, nearly_flat=False, schedule="every", every=4, window=0.3'
-SETTINGS += ', element="tet4"'
-RUN = 300_000  # a small run, meshed before, where others want the cores too [ms]
+RUN = 300_000  # a small run, where others want the cores too [ms]
 EVERYWHERE = "(studio.state.iteration, studio._timeline.iteration, studio._viewer.iteration, studio.state.checkpoint.iteration)"
 PLACE = """([x, y]) => {
     const plot = document.querySelector('.mechstyle-studio .js-plotly-plot'), full = plot._fullLayout, box = plot.getBoundingClientRect();
@@ -19,11 +19,15 @@ PLACE = """([x, y]) => {
 
 
 @pytest.fixture(scope="module")
-def studio(notebook, finished_run):  # which has the part meshed already
+def studio(notebook):
     opened = notebook.open(
         f"""
+import sys
+sys.path.insert(0, {str(ROOT / "tests")!r})
 from mechstyle_widgets import Studio
-studio = Studio("gallery:pen_holder", {SETTINGS}, folder="small")
+from support.knob import SETTINGS, knob
+part = knob()
+studio = Studio(part, vertices=len(part.vertices), folder="small", **SETTINGS)
 studio
 """
     )

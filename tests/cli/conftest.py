@@ -17,7 +17,8 @@ from mechstyle.cli.app import app
 from support.lanes import lane_on_a_sheet
 
 QUICK = ("--set", "element=tet4", "--set", "window=0.4", "--set", "nearly_flat=False")
-SMALL = ("--vertices", "2000", "--iterations", "12", "--orientations", "2", *QUICK)
+BOX = Path(__file__).with_name("box.obj")
+SMALL = ("--vertices", "600", "--iterations", "12", "--orientations", "2", *QUICK)
 
 
 @dataclass(frozen=True)
@@ -35,6 +36,7 @@ class Outcome:
 class CommandLine:
     folder: Path
     small: tuple[str, ...] = SMALL
+    styled: tuple[str, ...] = ("run", str(BOX), "--prompt", "brick", *SMALL)
 
     def start(self, *arguments: object) -> subprocess.Popen[str]:
         command = [sys.executable, "-m", "mechstyle", *map(str, arguments)]
@@ -69,7 +71,7 @@ def finished(tmp_path_factory) -> tuple[CommandLine, Path, dict]:
     """A finished small run: the command line, its directory and the JSON it printed."""
     folder = tmp_path_factory.mktemp("finished")
     line = CommandLine(folder)
-    outcome = line("run", "gallery:pen_holder", "--prompt", "brick", *SMALL, "--out", "part", "--json")
+    outcome = line(*line.styled, "--out", "part", "--json")
     return line, folder / "part", outcome.json
 
 

@@ -5,7 +5,7 @@ import json
 import pytest
 from typer.testing import CliRunner
 
-from cli.conftest import SMALL
+from cli.conftest import BOX, SMALL
 from mechstyle.cli.app import app
 from mechstyle.errors import BadInput
 from mechstyle.runs import deepest
@@ -14,7 +14,7 @@ from mechstyle.runs import deepest
 def test_what_limits_the_relief_is_among_what_a_run_tells(monkeypatch, tmp_path):
     """With --json nothing else said it."""
     monkeypatch.setattr(deepest, "deepest", lambda *_, **__: deepest.Depth(0.25, "0.25 of the wall is the deepest relief that holds"))
-    asked = ["run", "gallery:drawer_knob", "-p", "brick", *SMALL, "--vertices", "1000", "--amplitude", "auto", "--json"]
+    asked = ["run", str(BOX), "-p", "brick", *SMALL, "--amplitude", "auto", "--json"]
     outcome = CliRunner().invoke(app, [*asked, "--out", str(tmp_path / "run")])
     assert "amplitude auto: 0.25 of the wall is the deepest relief that holds" in json.loads(outcome.stdout)["notes"]
 

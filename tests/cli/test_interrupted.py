@@ -64,7 +64,7 @@ def test_a_run_that_is_asked_to_end_does_so_and_the_same_command_goes_on(asked_t
     """Between two checkpoints; then, where the cache of prepared parts is empty, while the part is meshed anew."""
     line, whole, _ = finished
     root = tmp_path / "part"
-    arguments = ("run", "gallery:pen_holder", "--prompt", "brick", *line.small, "--out", root)
+    arguments = (*line.styled, "--out", root)
     sentence = "error: interrupted; what was checkpointed is kept, and the same command goes on from there"
     between = asked_to_end(arguments, lambda _: checkpointed(Store(root)))
     assert (between.code, between.said[-len(sentence) :], between.left) == (130, sentence, [])

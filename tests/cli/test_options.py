@@ -44,7 +44,6 @@ NAMES = {
     "ablation": "models --arm --condition --device --height --iterations --jobs --json --load --material -m --orientations --out --poses "
     "--prompt -p --seed --set --vertices",
     "application": "name --device --iterations --json --orientations --out --vertices",
-    "validate": "--case --json --out --page --quick",
     "log": "address --json",
     "show": "address --field --json --out",
     "export": "address --bands --bodies --colours --fields --format -f --json --out --palette --slicer",

@@ -127,7 +127,7 @@ def test_a_folder_that_is_no_run(mechstyle):
 def test_a_directory_with_something_else_in_it_is_not_written_to(mechstyle):
     (mechstyle.folder / "photos").mkdir()
     (mechstyle.folder / "photos" / "cat.jpg").write_bytes(b"meow")
-    said = refused(mechstyle, "run", "gallery:pen_holder", "--prompt", "brick", *mechstyle.small, "--out", "photos")
+    said = refused(mechstyle, *mechstyle.styled, "--out", "photos")
     assert "is not a run directory" in said
 
 

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 import trimesh
 
+from cli.conftest import BOX
 from mechstyle.cli.console import out
 from mechstyle.cli.run import report
 from mechstyle.errors import BadInput
@@ -116,21 +117,21 @@ def test_a_run_ends_with_its_verdict_its_table_of_falls_and_its_doubt(finished, 
 def test_the_same_command_again_changes_nothing_and_says_the_same(finished):
     line, root, summary = finished
     before = contents(root)
-    again = line.here("run", "gallery:pen_holder", "--prompt", "brick", *line.small, "--out", "part", "--json").json
+    again = line.here(*line.styled, "--out", "part", "--json").json
     assert contents(root) == before
     assert {key: again[key] for key in KEYS - {"seconds"}} == {key: summary[key] for key in KEYS - {"seconds"}}
 
 
 def test_other_settings_in_the_same_directory_are_refused(finished):
     line, _, _ = finished
-    outcome = line.here("run", "gallery:pen_holder", "--prompt", "brick", "--height", "2 m", *line.small, "--out", "part", code=2)
+    outcome = line.here(*line.styled, "--height", "2 m", "--out", "part", code=2)
     assert "other settings" in outcome.stderr
     assert outcome.stdout == ""
 
 
 def test_a_run_killed_at_any_moment_resumes_to_the_same_bytes(finished, tmp_path):
     line, root, _ = finished
-    arguments = ("run", "gallery:pen_holder", "--prompt", "brick", *line.small, "--out", tmp_path / "killed", "--json")
+    arguments = (*line.styled, "--out", tmp_path / "killed", "--json")
     with line.start(*arguments) as process:
         store = Store(tmp_path / "killed")
         while process.poll() is None and not (store.lanes() and store.lane().head and store.find(None).iteration >= 3):
@@ -143,8 +144,7 @@ def test_a_run_killed_at_any_moment_resumes_to_the_same_bytes(finished, tmp_path
 
 
 def test_freestyle_simulates_once_and_keeps_everything(mechstyle):
-    styled = ("gallery:pen_holder", "--prompt", "brick", "--inside", "styled", *mechstyle.small, "--vertices", "900")
-    summary = mechstyle.here("freestyle", *styled, "--out", "free", "--json").json
+    summary = mechstyle.here("freestyle", *mechstyle.styled[1:], "--out", "free", "--json").json
     assert [line["reason"] for line in summary["simulations"]] == ["last iteration"]
     assert summary["kept"] == pytest.approx(1.0, abs=1e-4)
 
@@ -233,7 +233,7 @@ def test_show_writes_a_picture(finished, tmp_path):
 
 
 def test_simulate_reports_the_part_as_it_is(mechstyle):
-    small = ("simulate", "gallery:pen_holder", "--vertices", "2000", "--window", "0.4")
+    small = ("simulate", BOX, "--vertices", "600", "--window", "0.4")
     outcome = mechstyle.here(*small, "--vtu", "--json").json
     assert outcome["outcome"] == "HOLDS"
     flat, nearly, published = outcome["rows"]
@@ -278,7 +278,7 @@ def test_simulate_judges_beside_an_original_that_is_named(mechstyle):
 
 
 def test_simulate_after_a_standard_names_landings_and_claims_nothing(mechstyle):
-    flat = ("--orientations", "2", "--no-nearly-flat", "--window", "0.3")
+    flat = ("--orientations", "2", "--no-nearly-flat", "--window", "0.1")
     small = ("simulate", "gallery:pen_holder", "--vertices", "2000", "--standard", "ista-1a", *flat)
     said = " ".join(mechstyle.here(*small).stdout.split())
     assert "simulated orientations after ISTA 1A, drop test below 10 kg, but 2 orientations instead of 11" in said

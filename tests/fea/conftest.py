@@ -7,8 +7,8 @@ import pytest
 
 from mechstyle.records.material import LIBRARY, Material
 from mechstyle.records.mesh import TetMesh
-from mechstyle.simulation.validation.meshes import box as straight_box
-from mechstyle.simulation.validation.meshes import lattice
+from validation.meshes import box as straight_box
+from validation.meshes import lattice
 
 Box = Callable[..., TetMesh]
 

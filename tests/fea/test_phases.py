@@ -19,7 +19,7 @@ from mechstyle.fea.stressed_volume import DROPPED, at_nodes, exceeded
 from mechstyle.records.material import LIBRARY
 from mechstyle.records.mesh import TetMesh
 from mechstyle.simulation.impact import nearest_rigid
-from mechstyle.simulation.validation.meshes import lattice
+from validation.meshes import lattice
 
 SPEED = DropTest().speed
 

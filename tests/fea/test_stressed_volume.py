@@ -10,7 +10,7 @@ from mechstyle.fea.stressed_volume import LOADED, Walls, at_nodes, exceeded, sha
 from mechstyle.records import Landing, Recipe, Simulation, judge
 from mechstyle.records.material import LIBRARY
 from mechstyle.records.mesh import TetMesh
-from mechstyle.simulation.validation.meshes import box, lattice, refined
+from validation.meshes import box, lattice, refined
 
 V0 = LOADED**3
 FIELDS = {

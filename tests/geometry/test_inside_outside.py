@@ -146,7 +146,7 @@ def vase(mouth):
          "cup", "upside down", "lying", "tube", "lampshade", "solid", "block with a dent"],
 )
 def test_a_container_opens_to_one_side_only_and_is_mostly_hollow_however_it_lies(what, holds):
-    assert is_container(even(surface_of(what), 2500)) is holds
+    assert is_container(even(surface_of(what), 1500)) is holds
 
 
 def test_a_surface_read_again_is_not_asked_again_and_few_answers_are_kept(cup, monkeypatch):

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from mechstyle.errors import BadInput
-from mechstyle.loop.control import MASKS, demand, exponential, frozen, headroom, linear, mask, normalised, unrestrained, utilisation
+from mechstyle.loop.control import MASKS, demand, exponential, frozen, headroom, linear, mask, normalised, utilisation
 from mechstyle.records import CONTROLS, NORMALISATIONS, Landing, LoadResult, Recipe, Simulation, judge
 from mechstyle.records.material import LIBRARY
 from mechstyle.records.verdict import NO_WORSE, REPEATABILITY
@@ -92,10 +92,10 @@ def test_exponential_restrains_at_least_as_much_as_linear_and_frozen_least(s_nor
 
 
 def test_freestyle_is_restrained_nowhere():
-    assert unrestrained(CRITICAL).tolist() == [1.0] * len(CRITICAL)
+    assert MASKS["none"](CRITICAL).tolist() == [1.0] * len(CRITICAL)
 
 
-@pytest.mark.parametrize(("control", "function"), [*zip(CONTROLS, [linear, exponential, frozen, unrestrained], strict=True)])
+@pytest.mark.parametrize(("control", "function"), [*zip(CONTROLS, [linear, exponential, frozen, MASKS["none"]], strict=True)])
 def test_a_control_is_found_by_its_name(control, function):
     assert np.array_equal(mask(CRITICAL, control), function(CRITICAL))
 

@@ -61,19 +61,19 @@ SIMULATED = {"verdict": VERDICT, "reason": "vertex 3 moved", "final": True, "sim
 @pytest.mark.parametrize("changes", [{}, SIMULATED], ids=["between", "simulated"])
 def test_checkpoint_comes_back_bit_for_bit(store, changes):
     one = checkpoint(**changes)
-    assert_same(store.checkpoint(store.put_checkpoint(one)), one)
+    assert_same(store.checkpoint(store.objects.put_record(one)), one)
 
 
 def test_checkpoint_comes_back_with_its_keyframe(store):
     keyframe = {"displacement": AWKWARD, "momentum": np.ones((2, 3), np.float32), "generator": np.array([2**63 + 1], np.uint64)}
-    back = store.checkpoint(store.put_checkpoint(checkpoint(keyframe=keyframe))).keyframe
+    back = store.checkpoint(store.objects.put_record(checkpoint(keyframe=keyframe))).keyframe
     assert list(back) == sorted(keyframe)
     for name, array in keyframe.items():
         assert_same_array(back[name], array)
 
 
 def test_fields_of_a_checkpoint_read_back_are_frozen(store):
-    back = store.checkpoint(store.put_checkpoint(checkpoint()))
+    back = store.checkpoint(store.objects.put_record(checkpoint()))
     with pytest.raises(ValueError, match="read-only"):
         back.mask[0] = 1.0
 
@@ -87,8 +87,8 @@ def test_numbers_that_are_none_come_back(store):
     back = store.objects.get_record(store.objects.put_record(one), Simulation)
     assert repr(back.flat) == repr(NOT_FINITE)
     doubted = verdict(doubts=(Doubt(about="relief", value=np.nan),))
-    assert np.isnan(store.checkpoint(store.put_checkpoint(checkpoint(verdict=doubted))).verdict.doubts[0].value)
-    assert np.isnan(store.checkpoint(store.put_checkpoint(checkpoint(style_loss=np.nan))).style_loss)
+    assert np.isnan(store.checkpoint(store.objects.put_record(checkpoint(verdict=doubted))).verdict.doubts[0].value)
+    assert np.isnan(store.checkpoint(store.objects.put_record(checkpoint(style_loss=np.nan))).style_loss)
 
 
 def test_words_that_look_like_numbers_stay_words(store):
@@ -156,9 +156,9 @@ def test_an_object_lies_under_the_digest_of_its_content(store):
 
 def test_equal_arrays_are_stored_once(store):
     """mask, share, anchor, stress and demand are equal here: one object for the five, displacement, colour and the record."""
-    store.put_checkpoint(checkpoint())
+    store.objects.put_record(checkpoint())
     assert len(files_below(store.root)) == 4
-    store.put_checkpoint(checkpoint(iteration=4, mask=np.zeros(COUNT)))
+    store.objects.put_record(checkpoint(iteration=4, mask=np.zeros(COUNT)))
     assert len(files_below(store.root)) == 6
 
 
@@ -168,14 +168,14 @@ def test_arrays_that_differ_in_type_only_are_two(store):
 
 def test_the_same_state_and_past_have_the_same_digest(store, tmp_path):
     elsewhere = Store(tmp_path / "elsewhere")
-    assert store.put_checkpoint(checkpoint(verdict=VERDICT)) == elsewhere.put_checkpoint(checkpoint(verdict=VERDICT))
+    assert store.objects.put_record(checkpoint(verdict=VERDICT)) == elsewhere.objects.put_record(checkpoint(verdict=VERDICT))
     assert files_below(store.root) == files_below(elsewhere.root)
 
 
 def test_the_digest_does_not_depend_on_the_order_a_keyframe_was_filled_in(store):
     a, b = np.zeros(3, np.float32), np.ones(3, np.float32)
     forth, back = checkpoint(keyframe={"a": a, "b": b}), checkpoint(keyframe={"b": b, "a": a})
-    assert store.put_checkpoint(forth) == store.put_checkpoint(back)
+    assert store.objects.put_record(forth) == store.objects.put_record(back)
 
 
 @pytest.mark.parametrize(
@@ -184,18 +184,18 @@ def test_the_digest_does_not_depend_on_the_order_a_keyframe_was_filled_in(store)
     ids=lambda changes: next(iter(changes)),
 )
 def test_another_state_or_past_has_another_digest(store, changes):
-    assert store.put_checkpoint(checkpoint(**changes)) != store.put_checkpoint(checkpoint())
+    assert store.objects.put_record(checkpoint(**changes)) != store.objects.put_record(checkpoint())
 
 
 def test_what_is_stored_is_not_written_again(store, monkeypatch):
-    store.put_checkpoint(checkpoint())
+    store.objects.put_record(checkpoint())
     monkeypatch.setattr("mechstyle.loop.objects.write_whole", lambda path, _: pytest.fail(f"{path} was written again"))
-    store.put_checkpoint(checkpoint())
+    store.objects.put_record(checkpoint())
 
 
 def test_many_writers_of_the_same_object_agree(store):
     with ThreadPoolExecutor(8) as pool:
-        digests = set(pool.map(lambda _: store.put_checkpoint(checkpoint()), range(40)))
+        digests = set(pool.map(lambda _: store.objects.put_record(checkpoint()), range(40)))
     assert len(digests) == 1
     assert_same(store.checkpoint(digests.pop()), checkpoint())
     assert len(files_below(store.root)) == 4
@@ -223,7 +223,7 @@ damaged = pytest.mark.parametrize("damage", DAMAGES.values(), ids=DAMAGES.keys()
 
 @damaged
 def test_a_damaged_record_is_named_by_its_file(store, damage):
-    digest = store.put_checkpoint(checkpoint())
+    digest = store.objects.put_record(checkpoint())
     path = store.objects.path(digest)
     damage(path)
     with pytest.raises(DamagedStore) as caught:
@@ -235,7 +235,7 @@ def test_a_damaged_record_is_named_by_its_file(store, damage):
 
 @damaged
 def test_a_damaged_array_of_a_sound_record_is_named_by_its_file(store, damage):
-    digest = store.put_checkpoint(checkpoint())
+    digest = store.objects.put_record(checkpoint())
     path = store.objects.path(store.objects.put_array(AWKWARD))
     damage(path)
     with pytest.raises(DamagedStore) as caught:
@@ -244,7 +244,7 @@ def test_a_damaged_array_of_a_sound_record_is_named_by_its_file(store, damage):
 
 
 def test_a_log_is_read_although_an_array_is_damaged(store):
-    store.move("main", Lane(recipe=KEY, head=store.put_checkpoint(checkpoint())))
+    store.move("main", Lane(recipe=KEY, head=store.objects.put_record(checkpoint())))
     store.objects.path(store.objects.put_array(AWKWARD)).unlink()
     assert [entry.iteration for entry in store.history()] == [3]
 
@@ -258,9 +258,9 @@ def test_an_object_of_another_kind_is_damage_too(store):
 @damaged
 def test_storing_the_same_content_again_mends_a_damaged_object(store, damage):
     """Or a run carried on after a power cut would name an object again that it cannot read."""
-    digest = store.put_checkpoint(checkpoint())
+    digest = store.objects.put_record(checkpoint())
     damage(store.objects.path(digest))
-    assert store.put_checkpoint(checkpoint()) == digest
+    assert store.objects.put_record(checkpoint()) == digest
     assert_same(store.checkpoint(digest), checkpoint())
 
 
@@ -303,13 +303,13 @@ FULL = {
 
 @pytest.mark.parametrize(("what", "refusal"), FULL.values(), ids=FULL.keys())
 def test_a_full_disk_gets_one_sentence_and_loses_nothing(store, monkeypatch, what, refusal):
-    head = store.put_checkpoint(checkpoint())
+    head = store.objects.put_record(checkpoint())
     store.move("main", Lane(recipe=KEY, head=head))
     before = files_below(store.root)
     with monkeypatch.context() as full:
         full.setattr(what, refusal)
         with pytest.raises(MechStyleError) as caught:
-            store.put_checkpoint(checkpoint(iteration=4))
+            store.objects.put_record(checkpoint(iteration=4))
         with pytest.raises(MechStyleError):
             store.move("main", Lane(recipe=KEY, head="other"))
     message = str(caught.value)
@@ -345,7 +345,7 @@ def test_an_interrupted_write_leaves_the_old_content_and_nothing_else(tmp_path, 
 
 
 def test_what_a_killed_process_left_half_written_is_not_seen(store):
-    store.move("main", Lane(recipe=KEY, head=store.put_checkpoint(checkpoint())))
+    store.move("main", Lane(recipe=KEY, head=store.objects.put_record(checkpoint())))
     for folder in ("lanes", "memo", "objects/ab"):
         (store.root / folder).mkdir(exist_ok=True, parents=True)
         (store.root / folder / ".new-x7").write_bytes(b"{")

@@ -28,7 +28,7 @@ def chain(store, iterations, parent=""):
     """Checkpoints on top of each other; their digests."""
     digests = []
     for iteration in iterations:
-        parent = store.put_checkpoint(checkpoint(iteration, parent=parent, style_loss=float(len(digests))))
+        parent = store.objects.put_record(checkpoint(iteration, parent=parent, style_loss=float(len(digests))))
         digests.append(parent)
     return digests
 
@@ -114,7 +114,7 @@ def test_history_of_a_branch_begins_with_its_inherited_past(forked):
 
 def test_history_tells_what_a_log_needs(store):
     one = checkpoint(verdict=VERDICT, reason="last iteration", final=True, recipe=KEY, simulated_at=3)
-    digest = store.put_checkpoint(one)
+    digest = store.objects.put_record(one)
     entry = store.entry(digest)
     assert entry.digest == digest
     for name in ("iteration", "parent", "recipe", "simulated_at", "style_loss", "reason", "verdict", "final"):
@@ -155,9 +155,9 @@ def test_a_lane_comes_back_as_it_was_moved(store):
 def test_a_lane_is_finished_when_its_head_is_the_end_of_its_own_recipe(store):
     store.move("main", Lane(recipe=KEY))
     assert not store.is_finished()
-    store.move("main", Lane(recipe=KEY, head=store.put_checkpoint(checkpoint(recipe=KEY))))
+    store.move("main", Lane(recipe=KEY, head=store.objects.put_record(checkpoint(recipe=KEY))))
     assert not store.is_finished()
-    end = store.put_checkpoint(checkpoint(recipe=KEY, final=True))
+    end = store.objects.put_record(checkpoint(recipe=KEY, final=True))
     store.move("main", Lane(recipe=KEY, head=end))
     assert store.is_finished()
     store.move("longer", Lane(recipe="6" * 64, head=end, forked_from=end))
@@ -274,7 +274,7 @@ def test_a_full_address_is_read_as_it_was_written(root, lane, iteration):
 
 
 EARLIER = {
-    "a recipe": lambda store: [store.put_checkpoint(checkpoint(0)), store.objects.put(b'{"surface":"5","tilts":3,"drop_height":1500.0}')],
+    "a recipe": lambda store: [store.objects.put_record(checkpoint(0)), store.objects.put(b'{"surface":"5","tilts":3}')],
     "a verdict": lambda store: [store.objects.put_record({**ENTRY, "verdict": {"outcome": "VIABLE", "words": "It holds."}}), KEY],
 }
 ENTRY = {"iteration": 0, "parent": "", "recipe": "", "simulated_at": 0, "style_loss": 0.5, "reason": "original part", "final": False}

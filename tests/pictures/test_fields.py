@@ -5,10 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from mechstyle.loop.objects import Objects
 from mechstyle.pictures.fields import known, quantities, safety_factor
 from mechstyle.records import LoadResult
-from mechstyle.runs.report.replay_data import Digests, _channel
+from mechstyle.runs.report.replay_data import channel_of
 from support.records import COUNT, STRENGTH, UNKNOWN, checkpoint, load_row, recipe, row, simulation, verdict
 
 NEARLY = row(900.0, test="nearly flat", landing="tilted right", outcome="NO WORSE", limit=59.0, original=990.0)
@@ -89,11 +88,9 @@ def test_what_is_shown_is_what_is_judged():
     assert holds.quantity.limits(holds.values) == pytest.approx((0.0, 1.05 * 45.6))
 
 
-def test_a_replay_draws_the_same(tmp_path):
-    objects, state = Objects(tmp_path), checkpoint()
-    low, high = (objects.put_array(np.full(COUNT, value, np.float32)) for value in (22.8, 91.2))
-    frames = [Digests("", "", digest, "", "") for digest in (low, low, high)]
-    channel = _channel(objects, frames, [safety_factor(STRENGTH)] * 3)
+def test_a_replay_draws_the_same():
+    state, made = checkpoint(), safety_factor(STRENGTH).made
+    channel = channel_of("safety", [made(np.full(COUNT, value, np.float32)) for value in (22.8, 91.2)], [0, 0, 1])
     assert channel.frames == [0, 0, 1]
     assert [float((channel.low + channel.step * plane)[0]) for plane in channel.planes] == pytest.approx([2.0, 0.5], abs=1e-3)
     assert [quantity.name for quantity in quantities(recipe(), None)] == list(fields_of(None, None, state))[:5]

@@ -12,7 +12,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mechstyle.records import Doubt, Outcome, sentences
-from mechstyle.records.sentences import COLUMNS, EXPLANATION, MEANINGS, NOT_SURE, doubt, fall, head, length, note, paired, short, table
+from mechstyle.records.sentences import COLUMNS, EXPLANATION, MEANINGS, NOT_SURE, doubt, head, length, note, paired, short, table
+from mechstyle.records.written import written
 from support.records import STRENGTH, UNKNOWN, load_row, published_row, row, verdict
 
 SOLID = "Solid PLA, which yields at 45.6 MPa."
@@ -259,7 +260,7 @@ def test_a_height_is_told_as_a_person_would(height, words):
     ("height", "words"), [(1500.0, "1.5 m"), (1220.0, "1.22 m"), (1372.5, "1.3725 m"), (760.0, "76 cm"), (9.0, "9 mm"), (1000.0, "1 m")]
 )
 def test_what_was_asked_for_is_told_as_it_was_asked(height, words):
-    assert fall(height) == words
+    assert written(height) == words
 
 
 @given(st.floats(1.0, 1e5), st.floats(1.0, 1e5))

@@ -1,14 +1,14 @@
-"""Parts whose walls are known, without tetrahedra that fill them, as recipes and stylizers look at none; and a small block in marble."""
+"""Parts whose walls are known, without tetrahedra that fill them, as recipes and stylizers look at none; and a knob in marble."""
 
 import numpy as np
 import pytest
-import trimesh
 
-from mechstyle.records.mesh import SurfaceMesh, TetMesh
+from mechstyle.records.mesh import TetMesh
 from mechstyle.runs.run import Run, stylize
 from mechstyle.simulation.part import Workpiece
+from support.knob import knob
 
-QUICK = {"vertices": 900, "iterations": 6, "orientations": 1, "nearly_flat": False, "window": 0.2, "element": "tet4"}
+QUICK = {"iterations": 6, "orientations": 1, "nearly_flat": False, "window": 0.2, "element": "tet4"}
 QUICK |= {"schedule": "every", "every": 3}
 
 
@@ -27,13 +27,11 @@ def ball(sphere):
 
 @pytest.fixture(scope="module")
 def run(tmp_path_factory) -> Run:
-    """A finished run of a small block, its top protected."""
-    folder = tmp_path_factory.mktemp("block")
-    box = trimesh.creation.box((40.0, 30.0, 20.0))
+    """A finished run of a knob, its top protected."""
+    folder = tmp_path_factory.mktemp("knob")
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("MECHSTYLE_CACHE", str(folder / "cache"))
-        mesh = SurfaceMesh(box.vertices, box.faces)
-        yield stylize(mesh, "marble", out=folder / "run", protect="above 9.9 colour", amplitude=0.3, device="cpu", **QUICK)
+        yield stylize(knob(), "marble", out=folder / "run", protect="above 29.9 colour", amplitude=0.3, device="cpu", **QUICK)
 
 
 @pytest.fixture

@@ -14,7 +14,7 @@ import trimesh
 
 from mechstyle.geometry.glb import DULL, Sheen
 from mechstyle.records import Doubt
-from mechstyle.runs.export import Exported, _of_the_test, sheen_of, sidecar, unsimulated
+from mechstyle.runs.export import Exported, of_the_test, sheen_of, sidecar, unsimulated
 from support.records import FALL, row, verdict
 
 
@@ -40,7 +40,7 @@ def test_a_relief_reduced_after_its_simulation_has_no_verdict(run):
     state, parent = run.checkpoint(3), run.store.find(3).digest
     for factor, said in ((0.5, "the relief was reduced right after"), (1.0, "")):
         after = replace(state, share=state.share * np.float32(factor), parent=parent)
-        assert unsimulated(run.store, run.store.entry(run.store.put_checkpoint(after))).partition(" this iteration")[0] == said
+        assert unsimulated(run.store, run.store.entry(run.store.objects.put_record(after))).partition(" this iteration")[0] == said
 
 
 def test_a_file_with_fields_holds_what_the_test_of_that_very_surface_says(run, tmp_path, dropless):
@@ -87,6 +87,6 @@ def test_a_glb_says_how_it_reflects(run, tmp_path, monkeypatch):
 def test_a_file_warns_of_what_fails_and_of_what_is_in_doubt():
     doubt = Doubt(about="relief", value=0.81)
     sure, doubtful, failed = verdict(row()), verdict(row(), doubts=(doubt,)), verdict(row(0.5 * FALL))
-    assert _of_the_test(sure) == _of_the_test(None) == ()
-    assert _of_the_test(doubtful) == (doubtful.doubt,)
-    assert _of_the_test(failed) == (failed.head,)
+    assert of_the_test(sure) == of_the_test(None) == ()
+    assert of_the_test(doubtful) == (doubtful.doubt,)
+    assert of_the_test(failed) == (failed.head,)

@@ -6,17 +6,16 @@ import shutil
 
 import numpy as np
 import pytest
-import trimesh
 from PIL import Image
 
 from mechstyle.errors import BadInput, DamagedStore
-from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.runs.images import digest_of, file_name, raster_of, remember
 from mechstyle.runs.recipes import changed, draft
 from mechstyle.runs.report.reproduce import command_for
 from mechstyle.runs.run import Run, stylize
+from support.knob import knob
 
-QUICK = {"vertices": 900, "iterations": 40, "orientations": 1, "nearly_flat": False, "window": 0.2, "element": "tet4", "schedule": "never",
+QUICK = {"iterations": 40, "orientations": 1, "nearly_flat": False, "window": 0.2, "element": "tet4", "schedule": "never",
          "base": "free", "device": "cpu"}  # fmt: skip
 SIZE = 128
 SHADES = np.add.outer(np.arange(SIZE), np.arange(SIZE)).astype(np.uint8)
@@ -35,11 +34,10 @@ def picture(tmp_path):
 def elsewhere(tmp_path_factory) -> Run:
     """A run with a picture, opened in another folder by somebody who has neither the file nor a cache."""
     folder = tmp_path_factory.mktemp("images")
-    box = trimesh.creation.box((40.0, 30.0, 20.0))
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("MECHSTYLE_CACHE", str(folder / "cache"))
         Image.fromarray(STRIPED).save(folder / "mine.png")
-        stylize(SurfaceMesh(box.vertices, box.faces), image=folder / "mine.png", image_size=10, relief=0.5, out=folder / "run", **QUICK)
+        stylize(knob(), image=folder / "mine.png", image_size=10, relief=0.5, out=folder / "run", **QUICK)
         (folder / "mine.png").unlink()
         shutil.rmtree(folder / "cache")
         patch.setenv("MECHSTYLE_CACHE", str(folder / "other"))

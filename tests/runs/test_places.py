@@ -4,24 +4,19 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-import trimesh
 
 from mechstyle.errors import BadInput
-from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.runs.run import Run, stylize
+from support.knob import knob
 
-QUICK = {"vertices": 900, "iterations": 60, "orientations": 1, "nearly_flat": False, "window": 0.2, "element": "tet4", "schedule": "never",
+QUICK = {"iterations": 60, "orientations": 1, "nearly_flat": False, "window": 0.2, "element": "tet4", "schedule": "never",
          "base": "free"}  # fmt: skip
 
 
 @pytest.fixture(scope="module")
 def run(tmp_path_factory) -> Run:
     folder = tmp_path_factory.mktemp("places")
-    box = trimesh.creation.box((40.0, 30.0, 30.0))
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("MECHSTYLE_CACHE", str(folder / "cache"))
-        mesh = SurfaceMesh(box.vertices, box.faces)
-        yield stylize(mesh, "top 8 mm: blue stone; zeppelin", out=folder / "run", amplitude=0.3, device="cpu", **QUICK)
+    return stylize(knob(), "top 8 mm: blue stone; zeppelin", out=folder / "run", amplitude=0.3, device="cpu", **QUICK)
 
 
 def test_the_style_lies_where_it_was_asked_for(run):
@@ -41,7 +36,6 @@ def test_the_summary_says_what_was_understood_and_what_was_not(run):
 
 
 def test_a_prompt_that_is_too_long_is_refused_before_anything_is_meshed(tmp_path):
-    box = trimesh.creation.box((40.0, 30.0, 20.0))
     with pytest.raises(BadInput, match="the prompt has 600 characters, but may have 500"):
-        stylize(SurfaceMesh(box.vertices, box.faces), "brick " * 100, out=tmp_path / "run", **QUICK)
+        stylize(knob(), "brick " * 100, out=tmp_path / "run", **QUICK)
     assert not (tmp_path / "run").exists()

@@ -21,7 +21,7 @@ def test_a_3mf_is_painted_in_two_filaments_and_says_first_what_it_costs(run, tmp
     assert plan.cost.changes <= plan.cost.layers + 2
     assert plan.words.startswith(f"{plan.cost.changes} changes of filament in {plan.cost.layers} layers, ")
     assert [offer.changes for offer in plan.offers if len(offer.palette) == 1] == [0]
-    assert plan.cost.layers == pytest.approx(20.0 / 0.2, abs=10)  # a box 20 mm high
+    assert plan.cost.layers == pytest.approx(30.0 / 0.2, abs=10)  # a knob 30 mm high
     assert plan.cost.changes > plan.offers[-1].changes
     assert b"mmu_segmentation" in zipfile.ZipFile(tmp_path / "part.3mf").read("3D/3dmodel.model")
     assert msgspec.json.decode(sidecar(tmp_path / "part.3mf").read_bytes(), type=Exported).printing == plan

@@ -52,8 +52,8 @@ def test_a_quick_run_says_what_it_sets_and_leaves_out(part):
     quick, usual = plan(part, "brick", quick=True), plan(part, "brick")
     assert {name: value for name, value, _ in quick.differences(usual)} == QUICK
     assert left_out(usual) == ()
-    assert "only in the two that are hardest" in left_out(quick)[0]
-    assert plan(part, "brick", quick=True, hardest_only=False, until_sure=True) == usual, "what is asked for goes before"
+    assert ["only in the two that are hardest" in left_out(quick)[0], "rough" in left_out(quick)[1]] == [True, True]
+    assert plan(part, "brick", quick=True, hardest_only=False, until_sure=True, rough=False) == usual, "what is asked for goes before"
 
 
 def test_the_paper_criterion_brings_the_published_method(part):

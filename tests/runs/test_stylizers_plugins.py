@@ -9,8 +9,8 @@ from types import SimpleNamespace
 import matplotlib.image
 import numpy as np
 import pytest
-import trimesh
 
+import mechstyle as ms
 from mechstyle.errors import BadInput
 from mechstyle.loop.engine import Bounds
 from mechstyle.records import Recipe
@@ -20,6 +20,7 @@ from mechstyle.runs.recipes import changed, draft
 from mechstyle.runs.run import Run
 from mechstyle.styling.drawn import ProceduralStylizer, Target
 from support import ROOT
+from support.knob import knob
 
 PAGE = ROOT / "docs" / "plug-in.md"
 
@@ -103,12 +104,12 @@ def test_what_is_no_stylizer_is_refused_before_the_run(cube, factory, said):
 def test_the_example_of_the_page_styles_a_part_and_goes_on_where_it_stopped(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("MECHSTYLE_CACHE", str(tmp_path / "cache"))
-    trimesh.creation.cylinder(radius=15.0, height=25.0).export("cup.stl")
+    monkeypatch.setattr(ms, "load", lambda _path: knob())
     light = np.zeros((40, 60, 3))
     light[:, 30:] = [1.0, 0.9, 0.2]
     matplotlib.image.imsave("picture.png", light)
     code = re.search(r"```python\n(.*?)```", PAGE.read_text(), re.DOTALL)[1]
-    code = code.replace('out="runs', 'vertices=800, iterations=4, orientations=1, nearly_flat=False, window=0.2, element="tet4", out="runs')
+    code = code.replace('out="runs', 'iterations=4, orientations=1, nearly_flat=False, window=0.2, element="tet4", out="runs')
     names: dict[str, object] = {}  # the same run, only sooner
     exec(compile(code, PAGE.name, "exec"), names)
     run = names["run"]

@@ -16,8 +16,8 @@ from mechstyle.fea.stressed_volume import at_nodes
 from mechstyle.records.material import LIBRARY
 from mechstyle.simulation.drop_history import Course, history_figures, history_picture, vtu_bytes
 from mechstyle.simulation.impact import Impact
-from mechstyle.simulation.validation.meshes import box
 from support import records
+from validation.meshes import box
 
 NORMALS = [[0.0, 0.0, 1.0], [0.6, 0.0, 0.8]]
 

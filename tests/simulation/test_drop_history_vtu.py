@@ -12,7 +12,7 @@ from mechstyle.fea.elements import ELEMENTS, with_nodes
 from mechstyle.fea.snapshots import snapshot, snapshots
 from mechstyle.records.material import LIBRARY
 from mechstyle.simulation.drop_history import on_nodes, vtu, vtu_path
-from mechstyle.simulation.validation.meshes import box
+from validation.meshes import box
 
 VTK_EDGES = ((0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3))
 """Of VTK_QUADRATIC_TETRA, in the order of its nodes 4 to 9 (VTK file formats, figure 3)."""

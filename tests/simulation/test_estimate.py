@@ -53,6 +53,7 @@ def test_it_is_one_sentence_in_round_figures():
     ({"orientations": 3}, 2 * (3 + 1)),
     ({"orientations": 1, "nearly_flat": True}, 2 * (9 + 1)),
     ({"orientations": 1, "nearly_flat": True, "hardest_only": True}, 9 + 3),
+    ({"orientations": 1, "nearly_flat": True, "hardest_only": True, "rough": True}, 4 + 3),
 ])  # fmt: skip
 def test_before_the_first_fall_the_very_tetrahedra_are_asked(block, memo, settings, falls):
     sim = simulator(block, memo, **settings)

@@ -19,7 +19,7 @@ from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.simulation import impact as module
 from mechstyle.simulation.impact import Impact, impact_of, nearest_rigid
 from mechstyle.simulation.part import Workpiece
-from mechstyle.simulation.validation.meshes import box
+from validation.meshes import box
 
 
 @pytest.fixture(scope="module")

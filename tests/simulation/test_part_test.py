@@ -18,7 +18,7 @@ from mechstyle.simulation import meshes, simulator
 from mechstyle.simulation import part_test as module
 from mechstyle.simulation.part import Workpiece
 from mechstyle.simulation.part_test import simulate
-from mechstyle.simulation.validation.meshes import box
+from validation.meshes import box
 
 PLA = LIBRARY["PLA"]
 

@@ -11,7 +11,7 @@ from mechstyle.geometry.remeshing.evening import even, surface_of
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.simulation.meshes import SEEN
 from mechstyle.simulation.part_test import fit_of, relief_over
-from mechstyle.simulation.validation.meshes import box
+from validation.meshes import box
 
 
 @pytest.fixture(scope="module")

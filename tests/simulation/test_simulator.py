@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import msgspec
 import numpy as np
@@ -308,6 +309,21 @@ def test_tets_on_which_it_gives_no_number_excuse_nothing(wrong):
     assert harder(own, broken).loads == own.loads
     nothing = replace(here, landings=(), landing_stress=np.zeros((0, records.COUNT)), loads=(), load_stress=np.zeros((0, records.COUNT)))
     assert harder(own, nothing).landings == own.landings
+
+
+@pytest.mark.parametrize(("rough", "outcome", "asked"), [
+    (False, "NO WORSE", True), (True, "NO WORSE", False), (True, "FAILS", True), (False, "UNKNOWN", False),
+])  # fmt: skip
+def test_the_plain_part_is_read_on_the_mesh_of_a_relief_that_does_not_pass_for_sure_a_rough_one_only_if_it_fails(
+    block, memo, monkeypatch, rough, outcome, asked
+):
+    sim, meshes = simulator(block, memo, rough=rough), []
+    base = sim.baseline
+    unsure = SimpleNamespace(settled=False, passes=outcome == "NO WORSE", outcome=outcome)
+    monkeypatch.setattr(module, "judge", lambda *_: unsure)
+    vars(sim)["meshes"] = SimpleNamespace(known=meshes.append)
+    assert sim.judge(base) is unsure
+    assert meshes == [base.mesh] * asked
 
 
 def test_a_drop_that_breaks_down_is_unknown_and_never_passes(block, memo, monkeypatch):

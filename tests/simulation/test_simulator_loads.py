@@ -13,8 +13,8 @@ from mechstyle.records.material import LIBRARY
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.simulation import simulator as module
 from mechstyle.simulation.meshes import AGAIN
-from mechstyle.simulation.validation.meshes import box
 from support.dropped_block import bumps, ripples, simulator
+from validation.meshes import box
 
 PUSH = LoadCase(
     name="push", supports=(Support(at="resting face"),), loads=(Load(at=Patch(plane=(0, 0, 10, 0, 0, 1)), force=(3e4, 0.0, 0.0)),)

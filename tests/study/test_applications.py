@@ -5,7 +5,8 @@ import pytest
 from mechstyle.errors import BadInput
 from mechstyle.gallery import names
 from mechstyle.records.mesh import STANDARD_VERTICES
-from mechstyle.records.sentences import fall, length
+from mechstyle.records.sentences import length
+from mechstyle.records.written import written
 from mechstyle.runs.recipes import FREESTYLE, draft
 from mechstyle.study.applications import APPLICATIONS, Pair, application_named, apply
 from mechstyle.study.cells import Cell
@@ -66,7 +67,7 @@ def test_the_table_of_falls_has_what_all_three_survive_and_the_style_kept_last(p
     flat = pair.fed.verdict.row("flat")
     assert rows[0][:2] == ("flat", length(flat.original))
     assert rows[0][3].startswith(length(flat.height))
-    assert rows[0][4] == fall(flat.asked) == "1.5 m"
+    assert rows[0][4] == written(flat.asked) == "1.5 m"
     assert rows[-1] == ("style kept", "–", f"{pair.free.summary.kept:.0%}", f"{pair.fed.summary.kept:.0%}", "–")
 
 

@@ -4,12 +4,13 @@ import pytest
 
 from mechstyle.fea.statics import StaticTest
 from mechstyle.fea.stressed_volume import LOADED, Walls, at_nodes, exceeded
-from mechstyle.gallery import make, use_of
+from mechstyle.gallery import make
 from mechstyle.records.load_cases import Load, LoadCase, Patch, Support
 from mechstyle.runs.recipes import draft
 from mechstyle.simulation.part import prepare
 from mechstyle.study import cells as module
 from mechstyle.study.cells import LoadFactor, scaled, with_loads, words_of
+from support.knob import knob
 
 PULLED = LoadCase(
     name="pulled",
@@ -66,9 +67,10 @@ def test_a_file_that_a_killed_writer_broke_is_made_again(factors, tmp_path):
 
 
 def test_under_the_scaled_load_the_plain_part_reads_that_share_of_its_strength(tmp_path):
-    model, recipe = make("wall_hook"), draft("brick", loads=[use_of("gallery:wall_hook")])
-    found = with_loads(recipe, model, 900, share=0.85, folder=tmp_path)
-    part = prepare(model, vertices=900)
+    model, side = knob(), Load(at=Patch(sphere=(20, 0, 15, 6)), force=(3.0, 0.0, -4.0))
+    recipe = draft("brick", loads=[LoadCase(name="pulled", supports=PULLED.supports, loads=(side,))])
+    found = with_loads(recipe, model, len(model.vertices), share=0.85, folder=tmp_path)
+    part = prepare(model)
     (response,) = StaticTest(part.tets, found.test.loads, found.test.element).run(part.tets, found.test.material).values()
     weights = Walls(part.surface.vertices, part.thickness).weights(part.tets)
     stress = exceeded(part.tets, at_nodes(part.tets, response.corners), weights, LOADED**3).stress

@@ -7,7 +7,7 @@ from types import ModuleType
 
 import pytest
 
-from mechstyle.simulation.validation import calculix, suite
+from validation import calculix, suite
 
 MAY_SKIP = {"devices": "no CUDA device", "instructions": "not for "}
 WITH_CALCULIX = {"cantilever", "bar_calculix"}

@@ -36,7 +36,7 @@ class CoreBody:
     def internal_forces(
         self, law: ElasticLaw, displacement: Floats, velocity: Floats | float = 0.0, damping: Floats | float = 0.0
     ) -> Floats:
-        """As `elasticity.internal_forces` of u + β v, β [ms] of each tetrahedron, in float32 [N], shape [node_count, 3]."""
+        """Forces f_a = −Σ V P ∇N_a of u + β v, β [ms] of each tetrahedron, in float32 [N], shape [node_count, 3]."""
         state = LaneState()
         state.u, state.v = _cpu(_rows(displacement)), _cpu(_rows(np.broadcast_to(velocity, displacement.shape)))
         state.forces = _zeros(4 * self.node_count)

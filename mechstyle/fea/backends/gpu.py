@@ -61,7 +61,7 @@ class DeviceBody:
     def internal_forces(
         self, law: ElasticLaw, displacement: Floats, velocity: Floats | float = 0.0, damping: Floats | float = 0.0
     ) -> Floats:
-        """As `elasticity.internal_forces` of u + β v, β [ms] of each tetrahedron, in float32 [N], shape [node_count, 3]."""
+        """Forces f_a = −Σ V P ∇N_a of u + β v, β [ms] of each tetrahedron, in float32 [N], shape [node_count, 3]."""
         fields = (displacement, np.broadcast_to(velocity, displacement.shape))
         ahead = (self.damping(damping), *(self.array(field[:, None], wp.vec3f) for field in fields))
         total = self.zeros(self.node_count, 1, dtype=wp.vec3f)

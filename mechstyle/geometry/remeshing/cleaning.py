@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import partial
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -24,27 +23,18 @@ Face = tuple[int, int, int]
 
 
 def heights(corners: Floats) -> Floats:
-    """Height of triangles over their longest side, zero for those without area [mm], shape [face_count].
-
-    Args:
-        corners: Their corners [mm], shape [face_count, 3, 3].
-    """
+    """Height of triangles over their longest side, zero for those without area [mm], from corners of shape [face_count, 3, 3]."""
     double = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
     longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
     return np.divide(double, longest, out=np.zeros_like(double), where=longest > 0)
 
 
 def without_degenerate(mesh: SurfaceMesh, least: float, go_on: CancelCheck = never_cancel) -> SurfaceMesh:
-    """The mesh without triangles lower than a height, as far as that keeps its shells and handles.
+    """The mesh without triangles lower than a height [mm], as far as that keeps its shells and handles.
 
     Where two corners of such a triangle are as near as that, they become one, the first of them; else its longest side is turned
     towards the vertex across, which moves the surface by less than the height. Where neither is possible, as between two rows of
     vertices on one line, the nearest two corners become one if no sound triangle turns by that. Sound triangles keep their side.
-
-    Args:
-        mesh: A closed surface.
-        least: The height [mm].
-        go_on: Asked at the beginning, if there is anything to do, and before every pass over them.
     """
     if not (heights(mesh.corners) < least).any():
         return mesh
@@ -60,11 +50,9 @@ def without_degenerate(mesh: SurfaceMesh, least: float, go_on: CancelCheck = nev
 
 
 class _Side(NamedTuple):
-    """A side of a triangle and the corner across from it."""
-
     start: int
     end: int
-    apex: int
+    apex: int  # the corner across
 
 
 class _Triangles:
@@ -85,15 +73,22 @@ class _Triangles:
 
     def mend(self, number: int, least: float) -> bool:
         """Take one low triangle out; whether that was possible. It may have been mended with another one before."""
-        face = self.faces[number]
-        assert face is not None
+        face = self._corners(number)
         if self.heights([number])[0] >= least:
             return False
         sides = sorted((_Side(*np.roll(face, -k).tolist()) for k in range(3)), key=self._length)
         first, second = sorted(sides[0][:2])  # the first vertices of a standardised surface are on creases
         if self._length(sides[0]) < least:
-            return self._merged(first, second, partial(self._keeps_its_side, least=least))
-        still = partial(self._stays_where_it_is, least=least)
+
+            def allowed(one: int, becomes: Face) -> bool:
+                return self.heights([one])[0] < least or self._turn(one, becomes) > TOL.turn_by_low_ones
+
+            return self._merged(first, second, allowed)
+
+        def still(one: int, becomes: Face) -> bool:
+            low_before, low_after = heights(self.vertices[np.array([self._corners(one), becomes])]) < least
+            return bool(low_after) if low_before else self._turn(one, becomes) > TOL.turn_by_others
+
         return self._turned(number, sides[-1]) or self._merged(first, second, still) or self._merged(second, first, still)
 
     def _merged(self, stays: int, goes: int, allowed: Callable[[int, Face], bool]) -> bool:
@@ -123,13 +118,6 @@ class _Triangles:
         self._replace(number, new[0])
         self._replace(other, new[1])
         return True
-
-    def _keeps_its_side(self, number: int, becomes: Face, least: float) -> bool:
-        return self.heights([number])[0] < least or self._turn(number, becomes) > TOL.turn_by_low_ones
-
-    def _stays_where_it_is(self, number: int, becomes: Face, least: float) -> bool:
-        low_before, low_after = heights(self.vertices[np.array([self._corners(number), becomes])]) < least
-        return bool(low_after) if low_before else self._turn(number, becomes) > TOL.turn_by_others
 
     def _turn(self, number: int, becomes: Face) -> float:
         """Cosine of the angle by which a triangle turns that gets another corner."""
@@ -185,16 +173,11 @@ class _Fit(NamedTuple):
 
 
 def mended(mesh: SurfaceMesh, part: TriangleTree, creases: int, go_on: CancelCheck = never_cancel) -> SurfaceMesh:
-    """The mesh without the flaps, slivers and notches that can be mended without moving a vertex.
+    """The mesh near a part without the flaps, slivers and notches that can be mended without moving a vertex.
 
     A vertex of three triangles, one of them bad, is taken out; an edge of a bad triangle is turned if that makes the worse of its
-    two triangles better, and one across a round, the middle of which misses the part, if it then misses less. What is good stays as it is.
-
-    Args:
-        mesh: A closed surface near the part.
-        part: What its triangles should lie on.
-        creases: The first so many vertices are on creases of the part; they and the edges between them stay.
-        go_on: Asked before every round of turning edges.
+    two triangles better, and one across a round, the middle of which misses the part, if it then misses less. What is good stays as it is:
+    the first vertices, on `creases`, and the edges between them.
     """
     for _ in range(TOL.sliver_passes):
         before, mesh = mesh, _turned(_pruned(mesh, part, creases), part, creases, go_on)

@@ -18,25 +18,16 @@ from mechstyle.records.mesh import Floats, Indices, SurfaceMesh
 
 
 class Crossings(NamedTuple):
-    """Faces of a surface that cross.
+    """Faces of a surface that cross."""
 
-    Attributes:
-        pairs: How many pairs do.
-        other: A face that each face crosses, -1 if there is none, shape [face_count].
-    """
-
-    pairs: int
-    other: Indices
+    pairs: int  # how many pairs do
+    other: Indices  # a face that each face crosses, -1 if there is none, shape [face_count]
 
 
 def crossings(mesh: SurfaceMesh, tree: TriangleTree | None = None) -> Crossings:
-    """The faces that cross another without sharing a corner with it (Möller 1997, through a bounding volume hierarchy).
+    """The faces that cross another without sharing a corner with it (Möller 1997), by the tree over its faces, if there is one already.
 
     Faces that share a corner touch by nature; where they fold onto each other, `print_quality.turned_over` tells.
-
-    Args:
-        mesh: The surface.
-        tree: The tree over its faces, if there is one already.
     """
     tree, count = tree or TriangleTree(mesh.vertices, mesh.faces), len(mesh.faces)
     device = tree.device

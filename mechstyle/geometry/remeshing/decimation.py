@@ -53,13 +53,9 @@ class _Quadrics(NamedTuple):
 
 
 def decimated(mesh: SurfaceMesh, faces: int, go_on: CancelCheck = never_cancel, *, longest: float = np.inf) -> SurfaceMesh:
-    """The surface in so many triangles, or in as few as keep its shells and handles and turn none over.
+    """The closed surface in so many triangles, an even number, or in as few as keep its shells and handles and turn none over.
 
-    Args:
-        mesh: A closed surface.
-        faces: Triangles wished for, an even number; one with fewer stays as it is.
-        go_on: Asked before every round.
-        longest: Edge that no collapse may make [mm]: without it nothing is left of a flat face but its corners.
+    No collapse makes an edge longer than `longest` [mm]: without it nothing is left of a flat face but its corners.
     """
     centre = mesh.vertices.mean(axis=0)
     vertices, corners = mesh.vertices - centre, mesh.faces

@@ -26,7 +26,7 @@ from mechstyle.records.mesh import STANDARD_VERTICES, Floats, SurfaceMesh
 FEWEST, MOST = 500, 400_000
 
 
-def even(mesh: SurfaceMesh, vertices: int = STANDARD_VERTICES, tolerance: float = 0.05, go_on: CancelCheck = never_cancel) -> SurfaceMesh:
+def even(mesh: SurfaceMesh, vertices: int = STANDARD_VERTICES, go_on: CancelCheck = never_cancel) -> SurfaceMesh:
     """The surface in nearly equilateral triangles of one size.
 
     Needless vertices go (Manifold), long edges are cut, and isotropic remeshing by splits, collapses, flips and tangential
@@ -37,18 +37,11 @@ def even(mesh: SurfaceMesh, vertices: int = STANDARD_VERTICES, tolerance: float 
     A relief that is finer than the triangles, as a delivered surface has it, may have more vertices on its creases than are wished for.
     Such a surface is decimated instead (Garland and Heckbert 1997): its triangles are less even, but it keeps its shape.
 
-    Args:
-        mesh: A closed surface, any triangulation.
-        vertices: Vertices wanted, 500 to 400 000.
-        tolerance: Accepted deviation from that count, over the count; twice that where the count jumps by a whole row around a round.
-        go_on: Asked in between.
-
-    Returns:
-        A closed surface with the same number of handles and shells, its vertices on the part (beside it where it was decimated) and
-        none of its triangles without area; the same input gives the same bytes. Colours are dropped.
+    The result is closed and has as many handles and shells, its vertices on the part (next to it where it was decimated) and none of its
+    triangles without area; the same input gives the same bytes. Colours are dropped.
 
     Raises:
-        BadInput: If the count is out of range or cannot be reached, or the surface is not closed.
+        BadInput: If the count is not 500 to 400 000 or cannot be reached, or the surface is not closed.
     """
     if not FEWEST <= vertices <= MOST:
         raise BadInput(f"cannot standardise to {vertices} vertices: ask for {FEWEST} to {MOST}")
@@ -56,15 +49,20 @@ def even(mesh: SurfaceMesh, vertices: int = STANDARD_VERTICES, tolerance: float 
     if body.status() != manifold3d.Error.NoError or body.is_empty():
         raise BadInput("cannot standardise a surface that is not closed; load it with mechstyle, which repairs it or says why not")
     shape, edge = _shape(mesh), even_edge(mesh, 2 * vertices)  # a closed surface has about two faces per vertex (Euler)
-    if (kept := _by_shape(body, edge, vertices, tolerance, go_on)) is not None:
-        return kept
+    fine = _refined(body, edge, TOL.simplified * edge, go_on)
+    if _too_many_creases(fine, vertices):
+        fewer = decimated(fine, len(fine.faces) - 2 * (len(fine.vertices) - vertices), go_on, longest=TOL.flat_reach * edge)
+        found = without_degenerate(fewer, TOL.lowest * edge, go_on)
+        met = abs(len(found.vertices) / vertices - 1.0) <= TOL.missed
+        if met and _shape(found) == _shape(surface_of(body)) and _has_area(found, edge):
+            return found
     short, long, nearly = 0.0, math.inf, None
     for trial in range(TOL.trials):
         iterations = TOL.trial_iterations if trial == 0 else TOL.iterations
         found = remeshed(body, edge, tolerance=TOL.simplified * edge, iterations=iterations, go_on=go_on)
         missed = abs(len(found.vertices) / vertices - 1.0)
-        if trial > 0 and missed <= 2.0 * tolerance and _shape(found) == shape and _has_area(found, edge):
-            if missed <= tolerance:
+        if trial > 0 and missed <= 2.0 * TOL.missed and _shape(found) == shape and _has_area(found, edge):
+            if missed <= TOL.missed:
                 return found
             nearly = nearly or found
         # The count goes with the inverse square of the edge length, roughly: it jumps where the first cut of a coarse input changes, and
@@ -93,17 +91,6 @@ def _too_many_creases(mesh: SurfaceMesh, vertices: float) -> bool:
     return len(np.unique(edges[turns > TOL.crease])) >= TOL.crowded * vertices
 
 
-def _by_shape(body: Any, edge: float, vertices: int, tolerance: float, go_on: CancelCheck) -> SurfaceMesh | None:
-    """A Manifold decimated to so many vertices if its creases are too many for even triangles; None if not, or if that cannot be."""
-    fine = _refined(body, edge, TOL.simplified * edge, go_on)
-    if not _too_many_creases(fine, vertices):
-        return None
-    fewer = decimated(fine, len(fine.faces) - 2 * (len(fine.vertices) - vertices), go_on, longest=TOL.flat_reach * edge)
-    found = without_degenerate(fewer, TOL.lowest * edge, go_on)
-    met = abs(len(found.vertices) / vertices - 1.0) <= tolerance
-    return found if met and _shape(found) == _shape(surface_of(body)) and _has_area(found, edge) else None
-
-
 def _has_area(mesh: SurfaceMesh, edge: float) -> bool:
     """Whether every triangle of a mesh of this edge length [mm] has an area."""
     return bool(heights(mesh.corners).min() >= TOL.no_area * edge)
@@ -123,17 +110,9 @@ def surface_of(body: Any) -> SurfaceMesh:
 def remeshed(
     body: Any, edge: float, *, tolerance: float, iterations: int = TOL.iterations, go_on: CancelCheck = never_cancel
 ) -> SurfaceMesh:
-    """A Manifold in even triangles.
+    """A Manifold in even triangles of an edge length [mm], after `iterations` of splits, collapses, flips and smoothing.
 
-    Args:
-        body: The Manifold.
-        edge: Edge length [mm].
-        tolerance: Most by which removing needless vertices beforehand may move the surface [mm].
-        iterations: Rounds of splits, collapses, flips and smoothing.
-        go_on: Asked in between.
-
-    Raises:
-        BadInput: If nothing is left of the part within the tolerance.
+    Removing needless vertices beforehand moves the surface by `tolerance` at most [mm]; BadInput if nothing is left of it.
     """
     original, fine = surface_of(body), _refined(body, edge, tolerance, go_on)
     creases, rounds = _fixed(fine, edge)
@@ -146,11 +125,7 @@ def remeshed(
 
 
 def _refined(body: Any, edge: float, tolerance: float, go_on: CancelCheck) -> SurfaceMesh:
-    """A Manifold without the vertices that it needs for no more than a tolerance [mm], long edges cut.
-
-    Raises:
-        BadInput: If nothing is left of it.
-    """
+    """A Manifold without the vertices that it needs for no more than a tolerance [mm], long edges cut; BadInput if nothing is left."""
     simple = body.simplify(tolerance)
     go_on()
     if simple.is_empty():

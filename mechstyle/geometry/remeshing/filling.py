@@ -80,9 +80,8 @@ def _check(surface: SurfaceMesh, target: int) -> None:
     if not surface.is_closed:
         raise BadInput("the surface is not closed, so it has no inside to fill; load it with mechstyle, which repairs it or says why not")
     if surface.volume <= 0:
-        raise BadInput(
-            "the surface encloses no volume or its faces point inwards; load it with mechstyle, which repairs it or says why not"
-        )
+        why = "encloses no volume or its faces point inwards"
+        raise BadInput(f"the surface {why}; load it with mechstyle, which repairs it or says why not")
 
 
 class Attempt(NamedTuple):
@@ -150,34 +149,36 @@ def _first_edge(surface: SurfaceMesh, aim: float) -> float:
 
 
 def _filled_as(surface: SurfaceMesh, aim: float, deviation: float, detail: float, go_on: CancelCheck) -> SurfaceMesh:
-    """The surface in even triangles, or in its own where even ones are fewer than its creases ask for, or would have to be finer.
+    """The surface in even triangles, as large as aim or `deviation` [mm] from it allow; in its own where those are as large and serve.
 
-    Half a millimetre of relief is within the tolerance of a thick part. Of a delivered knob in brick, of 2500 vertices, even triangles
-    carried 0.60 of the relief and its own 0.81. Thin walls, on the other hand, asked for even triangles finer than those they come in.
+    fTetWild spends its time on slivers: even triangles are meshed several times faster. Its own triangles also stay where even ones are
+    fewer than the creases ask for: half a millimetre of relief is within the tolerance of a thick part, and would be evened away.
     """
-    edge = _first_edge(surface, aim)
-    even = _evened(surface, edge, deviation, go_on)
-    if even is None or crowded(manifold_of(surface), edge, len(even.vertices), go_on):
-        return _kept(surface, surface, deviation, detail, go_on)
-    return even
+    edge = asked = _first_edge(surface, aim)
+    body, tree = manifold_of(surface), TriangleTree(surface.vertices, surface.faces)
+    finest, own = even_edge(surface, TOL.finest_input), surface.edge_length
+    while True:
+        even = remeshed(body, max(edge, finest), tolerance=0.25 * deviation, iterations=5, go_on=go_on)
+        there = tree.nearest(even.vertices).distance
+        back = TriangleTree(even.vertices, even.faces).nearest(surface.vertices).distance
+        if edge <= finest or max(np.quantile(there, 0.999), np.quantile(back, 0.999)) <= deviation:
+            even = even if even.is_closed else surface
+            crowds = crowded(body, asked, len(even.vertices), go_on)
+            return _kept(surface, surface, deviation, detail, go_on) if crowds else even
+        edge *= 0.8
+        if edge < own <= asked:
+            return _kept(surface, surface, deviation, detail, go_on)
 
 
 def _kept(surface: SurfaceMesh, exaggerated: SurfaceMesh, deviation: float, detail: float, go_on: CancelCheck) -> SurfaceMesh:
-    """The surface in its own triangles; of too many, those that its exaggerated relief needs least are given up.
+    """The surface in its own triangles; of more than KEPT, those that its exaggerated relief needs least are given up.
 
     Low ones go in any case, as far as that moves the surface by no more than `deviation` [mm]. Even triangles of the same number round
     the edges of a relief off. The more a relief is exaggerated, the less is left for the shape of the part: less exaggerated where a
-    detail larger than `detail` [mm] would be lost.
+    detail larger than `detail` [mm] would be lost; if none stay closed, all are kept.
     """
-    fewer = _decimated(surface, exaggerated, detail, go_on) if len(surface.faces) > KEPT else surface
-    edge = math.sqrt(4.0 / math.sqrt(3.0) * float(fewer.face_areas.mean()))
-    return without_degenerate(fewer, min(TOL.low_input * edge, deviation))
-
-
-def _decimated(surface: SurfaceMesh, exaggerated: SurfaceMesh, detail: float, go_on: CancelCheck) -> SurfaceMesh:
-    """The surface in KEPT triangles that lose no detail larger than `detail` [mm], or the least; itself if none stay closed."""
     losses: list[tuple[float, SurfaceMesh]] = []
-    for share in TOL.exaggeration:
+    for share in TOL.exaggeration if len(surface.faces) > KEPT else ():
         high = surface.moved(surface.vertices + share * (exaggerated.vertices - surface.vertices))
         fewer = decimated(high, KEPT, go_on)
         there = TriangleTree(high.vertices, high.faces).nearest(fewer.vertices)
@@ -188,27 +189,9 @@ def _decimated(surface: SurfaceMesh, exaggerated: SurfaceMesh, detail: float, go
             losses.append((lost, fewer))
             if lost <= detail:
                 break
-    return min(losses, key=lambda found: found[0])[1] if losses else surface
-
-
-def _evened(surface: SurfaceMesh, edge: float, deviation: float, go_on: CancelCheck) -> SurfaceMesh | None:
-    """The surface in even triangles, as large as `edge` or as `deviation` [mm] from it allows; None if its own are as large and serve.
-
-    fTetWild spends its time on slivers: an even input of 9000 faces is meshed four times faster than one from quadric
-    decimation, and an even input of 9000 faces twice as fast as one of 48 000.
-    """
-    asked, own = edge, surface.edge_length
-    body, tree = manifold_of(surface), TriangleTree(surface.vertices, surface.faces)
-    finest = even_edge(surface, TOL.finest_input)
-    while True:
-        even = remeshed(body, max(edge, finest), tolerance=0.25 * deviation, iterations=5, go_on=go_on)
-        there = tree.nearest(even.vertices).distance
-        back = TriangleTree(even.vertices, even.faces).nearest(surface.vertices).distance
-        if edge <= finest or max(np.quantile(there, 0.999), np.quantile(back, 0.999)) <= deviation:
-            return even if even.is_closed else surface
-        edge *= 0.8
-        if edge < own <= asked:
-            return None
+    found = min(losses, key=lambda one: one[0])[1] if losses else surface
+    edge = math.sqrt(4.0 / math.sqrt(3.0) * float(found.face_areas.mean()))
+    return without_degenerate(found, min(TOL.low_input * edge, deviation))
 
 
 def _tidied(vertices: Floats, tets: Indices) -> TetMesh:

@@ -27,12 +27,9 @@ ACROSS = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])
 def improved(tets: TetMesh, *, reach: float, floor: float, go_on: CancelCheck = never_cancel) -> TetMesh:
     """Tetrahedra with the same connections, but for flat ones that are gone, whose lowest are higher.
 
-    Args:
-        tets: Positively oriented tetrahedra.
-        reach: How far a boundary vertex moves inwards or along the surface in the first pass, at most [mm], and half of it again in the
-            second; of tetrahedra lower than twice this, those are peeled off that lie flat under the boundary.
-        floor: Height [mm] of the plane that the part stands on; vertices in it stay in it.
-        go_on: Asked in every round of the minimiser.
+    A boundary vertex moves inwards or along the surface by `reach` [mm] at most in the first pass, and half of it in the second; of
+    tetrahedra lower than twice this, those are peeled off that lie flat under the boundary. Vertices in the plane at the height `floor`
+    [mm] stay in it.
     """
     peeled = _peeled(tets, 2.0 * reach)
     for share in TOL.reaches:
@@ -41,12 +38,7 @@ def improved(tets: TetMesh, *, reach: float, floor: float, go_on: CancelCheck = 
 
 
 def heights(vertices: Floats, tets: Indices) -> Floats:
-    """Least height of tetrahedra [mm], shape [tet_count].
-
-    Args:
-        vertices: Vertices [mm], shape [vertex_count, 3].
-        tets: Positively oriented tetrahedra, shape [tet_count, 4].
-    """
+    """Least height of positively oriented tetrahedra, shape [tet_count, 4], [mm], shape [tet_count]."""
     volumes, normals = _volumes_and_normals(vertices[tets])
     return np.asarray(6.0 * volumes / np.sqrt(_squares(normals)).max(axis=1))
 
@@ -164,21 +156,13 @@ def _normalised(vectors: Floats) -> Floats:
 
 
 class _Patch(NamedTuple):
-    """Tetrahedra around vertices that may move.
+    """Tetrahedra around vertices that may move."""
 
-    Attributes:
-        vertices: All vertices [mm], shape [vertex_count, 3].
-        tets: The tetrahedra, shape [k, 4].
-        free: Vertices that may move, shape [m].
-        axes: Three axes for each of them, as long as the unit in which shifts along them are counted [mm], shape [m, 3, 3].
-        wanted: The height against which theirs are counted [mm].
-    """
-
-    vertices: Floats
-    tets: Indices
-    free: Indices
-    axes: Floats
-    wanted: float
+    vertices: Floats  # all vertices [mm], shape [vertex_count, 3]
+    tets: Indices  # the tetrahedra, shape [k, 4]
+    free: Indices  # vertices that may move, shape [m]
+    axes: Floats  # three axes for each of them, as long as the unit in which shifts along them are counted [mm], shape [m, 3, 3]
+    wanted: float  # the height against which theirs are counted [mm]
 
     def moved(self, shift: Floats) -> Floats:
         """All vertices [mm] with the free ones shifted, shape [vertex_count, 3]."""

@@ -32,19 +32,12 @@ REGULAR = 6  # neighbours of a vertex among equilateral triangles
 
 
 class _State(NamedTuple):
-    """A closed surface being remeshed.
+    """A closed surface being remeshed."""
 
-    Attributes:
-        vertices: Positions [mm], shape [n, 3].
-        faces: Vertex indices, shape [m, 3].
-        creases: The first so many vertices are on creases: they stay, and others may collapse into them.
-        fixed: So many, those on creases among them, stay.
-    """
-
-    vertices: Floats
-    faces: Indices
-    creases: int
-    fixed: int
+    vertices: Floats  # positions [mm], shape [n, 3]
+    faces: Indices  # vertex indices, shape [m, 3]
+    creases: int  # the first so many vertices are on creases: they stay, and others may collapse into them
+    fixed: int  # so many, those on creases among them, stay
 
 
 def isotropic(
@@ -86,7 +79,7 @@ def _split(state: _State, longest: float, go_on: CancelCheck) -> _State:
     for _ in range(TOL.splits):
         go_on()
         pairs = edge_pairs(faces)
-        length = _edge_lengths(vertices, pairs.edges)
+        length = _norms(vertices[pairs.edges[:, 1]] - vertices[pairs.edges[:, 0]])
         wanted = (length > longest) & ~_held(vertices, faces, pairs, fixed)
         pairs, length = pairs.some(wanted), length[wanted]
         pairs = pairs.some(_foremost(pairs.faces, -length, len(faces)))
@@ -109,7 +102,7 @@ def _collapsed(state: _State, shortest: float, longest: float, go_on: CancelChec
     for _ in range(TOL.collapses):
         go_on()
         edges = edges_of(faces)
-        length = _edge_lengths(vertices, edges)
+        length = _norms(vertices[edges[:, 1]] - vertices[edges[:, 0]])
         wanted = (length < shortest) & ((edges[:, 0] >= fixed) | (edges[:, 0] < creases) & (edges[:, 1] >= fixed))
         edges, length = edges[wanted], length[wanted]
         meeting = np.where((edges[:, 0] < fixed)[:, None], vertices[edges[:, 0]], 0.5 * (vertices[edges[:, 0]] + vertices[edges[:, 1]]))
@@ -139,7 +132,14 @@ def _flipped(state: _State, go_on: CancelCheck) -> _State:
         gain = losing[pairs.edges].sum(axis=1) + gaining[pairs.across].sum(axis=1)
         pairs, gain = pairs.some(gain > 0), gain[gain > 0]
         new = ~among(edge_keys(pairs.across, len(vertices)), there)
-        wanted = new & ~_held(vertices, faces, pairs, fixed) & _flips_well(vertices, faces, pairs)
+        # Turning leaves triangles of some quality 4 √3 A / Σ l² that look where the old ones did.
+        halves = [*(faces[side] for side in pairs.faces.T), *_halves(pairs)]
+        normals = [_crosses(vertices, half) for half in halves]
+        squares = [np.square(vertices[half] - np.roll(vertices[half], 1, axis=1)).sum(axis=(1, 2)) for half in halves]
+        good = [2.0 * np.sqrt(3.0) * _norms(n) / np.maximum(square, 1e-24) for n, square in zip(normals, squares, strict=True)]
+        well = np.minimum(*good[2:]) >= np.minimum(TOL.flipped_quality, np.minimum(*good[:2]))
+        well &= np.logical_and.reduce([_steady(was, becomes) for was in normals[:2] for becomes in normals[2:]])
+        wanted = new & ~_held(vertices, faces, pairs, fixed) & well
         pairs, gain = pairs.some(wanted), gain[wanted]
         pairs = pairs.some(_foremost(np.column_stack([pairs.edges, pairs.across]), -gain, len(vertices)))
         if not len(pairs.edges):
@@ -176,10 +176,6 @@ def _smoothed(state: _State, part: TriangleTree) -> _State:
     return state._replace(vertices=wanted)
 
 
-def _edge_lengths(vertices: Floats, edges: Indices) -> Floats:
-    return _norms(vertices[edges[:, 1]] - vertices[edges[:, 0]])
-
-
 def _norms(vectors: Floats) -> Floats:
     return np.sqrt(_dots(vectors, vectors))
 
@@ -200,13 +196,6 @@ def _steady(was: Floats, becomes: Floats) -> Bools:
     return _dots(was, becomes) >= TOL.turn * _norms(was) * _norms(becomes)
 
 
-def _quality(vertices: Floats, faces: Indices) -> Floats:
-    """Quality 4 √3 A / Σ l² of triangles, 1 for an equilateral one."""
-    corners = vertices[faces]
-    squares = np.square(corners - np.roll(corners, 1, axis=1)).sum(axis=(1, 2))
-    return 2.0 * np.sqrt(3.0) * _norms(_crosses(vertices, faces)) / np.maximum(squares, 1e-24)
-
-
 def _neighbour_means(vertices: Floats, faces: Indices) -> Floats:
     """The mean of each vertex' neighbours: every one of them follows it in exactly one face."""
     total = np.column_stack([
@@ -224,13 +213,7 @@ def _held(vertices: Floats, faces: Indices, pairs: EdgePairs, fixed: int) -> Boo
 
 
 def _foremost(needs: NDArray[np.integer], urgency: NDArray[Any], count: int) -> Bools:
-    """Which of some changes, urgent ones being those of low value, come before all others that need one of the same things.
-
-    Args:
-        needs: The things that each change needs for itself, shape [k, r].
-        urgency: Shape [k].
-        count: Number of things.
-    """
+    """Which of some changes, urgent ones of low value, come before all others that need one of the same `count` things, shape [k, r]."""
     order = ranks(urgency)
     first = least(needs, np.repeat(order, needs.shape[1]), count, len(order))
     return (first[needs] == order[:, None]).all(axis=1)
@@ -240,11 +223,3 @@ def _halves(pairs: EdgePairs) -> tuple[Indices, Indices]:
     """The two faces that take the place of an edge's two when it is turned."""
     (a, b), (c, d) = pairs.edges.T, pairs.across.T
     return np.stack([a, d, c], axis=1), np.stack([d, b, c], axis=1)
-
-
-def _flips_well(vertices: Floats, faces: Indices, pairs: EdgePairs) -> Bools:
-    """Whether turning edges leaves triangles of some quality that look where the old ones did."""
-    old, new = [faces[side] for side in pairs.faces.T], _halves(pairs)
-    steady = [_steady(_crosses(vertices, was), _crosses(vertices, becomes)) for was in old for becomes in new]
-    worst_old, worst_new = (np.minimum(*(_quality(vertices, half) for half in two)) for two in (old, new))
-    return np.logical_and.reduce(steady) & (worst_new >= np.minimum(TOL.flipped_quality, worst_old))

@@ -43,20 +43,14 @@ PR_SET_PDEATHSIG = 1
 
 
 class Settings(NamedTuple):
-    """Settings of an fTetWild run.
+    """Settings of an fTetWild run."""
 
-    Attributes:
-        edge_length: Edge length it aims at [mm].
-        epsilon: Half width of the envelope its boundary stays in, over the diagonal of the bounding box.
-        stop_energy: AMIPS energy of the worst tetrahedron at which it is content; 3 is that of a regular one. Content with 30 only, it
-            takes two to three times as long as with 100, for meshes whose drops take a tenth fewer steps and come to the same stresses.
-        iterations: Most rounds of optimisation.
-    """
-
-    edge_length: float
-    epsilon: float
+    edge_length: float  # edge length it aims at [mm]
+    epsilon: float  # half width of the envelope its boundary stays in, over the diagonal of the bounding box
+    # AMIPS energy of the worst tetrahedron at which it is content; 3 is that of a regular one. Content with 30 only, it takes two to
+    # three times as long as with 100, for meshes whose drops take a tenth fewer steps and come to the same stresses
     stop_energy: float = 100.0
-    iterations: int = 20
+    iterations: int = 20  # most rounds of optimisation
 
 
 def tetwild(
@@ -87,7 +81,17 @@ def tetwild(
             raise _out_of_time(f"{longest:.0f} s") from error
         if hasattr(signal, "SIGXCPU") and done.returncode == -signal.SIGXCPU:
             raise _out_of_time(f"{timeout:.0f} s of processor time")
-        return _answer(answer, done)
+        if done.returncode != 0:
+            said = done.stderr.decode(errors="replace").strip().splitlines()
+            raise SimulationFailed(f"fTetWild failed (exit code {done.returncode}): {said[-1] if said else 'without a word'}")
+        try:
+            with np.load(answer, allow_pickle=False) as found:
+                inside, tets = found["vertices"].astype(np.float64), found["tets"].astype(np.int32)
+        except (OSError, KeyError, ValueError, zipfile.BadZipFile) as error:
+            raise SimulationFailed("fTetWild ended without leaving a mesh") from error
+        if not len(tets):
+            raise SimulationFailed("fTetWild found nothing inside the surface")
+        return inside, tets
 
 
 def _out_of_time(spent: str) -> SimulationFailed:
@@ -114,20 +118,6 @@ def _ended(command: list[str], folder: Path, timeout: float, go_on: CancelCheck)
             raise
 
 
-def _answer(path: Path, done: subprocess.CompletedProcess[bytes]) -> tuple[Floats, NDArray[np.int32]]:
-    if done.returncode != 0:
-        said = done.stderr.decode(errors="replace").strip().splitlines()
-        raise SimulationFailed(f"fTetWild failed (exit code {done.returncode}): {said[-1] if said else 'without a word'}")
-    try:
-        with np.load(path, allow_pickle=False) as found:
-            vertices, tets = found["vertices"].astype(np.float64), found["tets"].astype(np.int32)
-    except (OSError, KeyError, ValueError, zipfile.BadZipFile) as error:
-        raise SimulationFailed("fTetWild ended without leaving a mesh") from error
-    if not len(tets):
-        raise SimulationFailed("fTetWild found nothing inside the surface")
-    return vertices, tets
-
-
 def _environment() -> dict[str, str]:
     """The environment with this package importable from another folder."""
     paths = [str(Path(__file__).resolve().parents[3]), *filter(None, [os.environ.get("PYTHONPATH")])]
@@ -150,16 +140,9 @@ def main(request: str, answer: str) -> None:
         from pytetwild.pytetwild import tetrahedralize  # noqa: PLC0415 (the stand-in must be there first)
 
         vertices, tets = tetrahedralize(
-            asked["vertices"],
-            asked["faces"],
-            edge_length_abs=float(asked["edge_length"]),
-            epsilon=float(asked["epsilon"]),
-            stop_energy=float(asked["stop_energy"]),
-            num_opt_iter=int(asked["iterations"]),
-            simplify=False,
-            num_threads=1,
-            quiet=True,
-        )
+            asked["vertices"], asked["faces"], edge_length_abs=float(asked["edge_length"]), epsilon=float(asked["epsilon"]),
+            stop_energy=float(asked["stop_energy"]), num_opt_iter=int(asked["iterations"]), simplify=False, num_threads=1, quiet=True,
+        )  # fmt: skip
     np.savez(answer, vertices=vertices, tets=tets)
 
 

@@ -24,6 +24,7 @@ class Tolerances:
     no_area: float = 1e-5  # the same, below which none is left
     crowded: float = 0.75  # of the vertices wished for: with so many on creases alone, hardly any are left for what lies between them
     flat_reach: float = 2.0  # what an edge may then grow to where the surface is flat
+    missed: float = 0.05  # of the vertices wished for that the count may miss; twice that where it jumps by a whole row around a round
     trials: int = 9  # edge lengths that are tried
     trial_iterations: int = 3  # of the remesher in the first trial: few suffice to see the count
     iterations: int = 8  # … and in the others

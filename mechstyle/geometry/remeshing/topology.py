@@ -15,17 +15,11 @@ SCATTER = 2_654_435_761  # 2³² over the golden ratio: spreads equals that stan
 
 
 class EdgePairs(NamedTuple):
-    """The edges of a closed surface with their two faces.
+    """The edges of a closed surface with their two faces."""
 
-    Attributes:
-        edges: Vertices of each, directed as in its first face, shape [k, 2].
-        faces: Its two faces, shape [k, 2].
-        across: The third vertex of each of them, shape [k, 2].
-    """
-
-    edges: Indices
-    faces: NDArray[np.int64]
-    across: Indices
+    edges: Indices  # vertices of each, directed as in its first face, shape [k, 2]
+    faces: NDArray[np.int64]  # its two faces, shape [k, 2]
+    across: Indices  # the third vertex of each of them, shape [k, 2]
 
     def some(self, which: NDArray[np.bool_]) -> EdgePairs:
         """Subset of the edges selected by `which`, shape [k]."""

@@ -63,8 +63,7 @@ TOOLS = ("numpy", "scipy", "trimesh", "manifold3d", "pytetwild", "warp-lang")
 def write_report(run: LaneOfRun, path: str | Path, *, impact: bool = False) -> Path:
     """Write the report of a lane to a file; `impact` drops the part once more where that has not been done, to show how it lands.
 
-    Raises:
-        BadInput: If the path is no `.html` file, or the lane has no checkpoint yet.
+    BadInput if the path is no `.html` file, or the lane has no checkpoint yet.
     """
     target = Path(path)
     if target.suffix.lower() not in {".html", ".htm"} or target.is_dir():
@@ -77,14 +76,20 @@ def write_report(run: LaneOfRun, path: str | Path, *, impact: bool = False) -> P
 
 
 def report_page(run: LaneOfRun) -> str:
-    """The report of a lane, finished or not, as HTML text.
-
-    Raises:
-        BadInput: If the lane has no checkpoint yet.
-    """
+    """The report of a lane, finished or not, as HTML text; BadInput if the lane has no checkpoint yet."""
     history = begun(run)
-    passed_steps, played, struck = steps(run.store, history), replay_data(run), impacts(run)
+    passed_steps, played, (impact, impact_payloads) = steps(run.store, history), replay_data(run), _impact(impacts(run))
     script = Markup(f"\n{bundle(static('report.js'), IN_A_REPORT)}\n")
+    model, needed = run.record.origin.model, ""
+    if not model:
+        needed = f"The run was begun from a mesh in memory: save it as {run.record.stem}.stl first. "
+    elif not model.startswith("gallery:"):
+        needed = f"It needs the file {model} in the folder where it is typed. "
+    settings = [
+        (name.replace("_", " "), _plain(value), with_code(described(name)))
+        for name, value in run.recipe.settings.items()
+        if name != "material"  # in a table of its own
+    ]
     return fill(
         static("page.html"),
         script_digest=_source(script),
@@ -98,15 +103,15 @@ def report_page(run: LaneOfRun) -> str:
         chart=timeline(passed_steps, history[-1].iteration),
         story=_story(passed_steps, standing(history)[0]),
         notes=_notes(run),
-        settings=_settings(run.recipe),
+        settings=table(("setting", "value", "what it is"), settings, "Settings"),
         material=_material(run.recipe.test.material),
         limits=joined(fill("<li>{text}</li>", text=text) for text in _limits(run.recipe)),
         method=METHOD,
         command=command_for(run, history),
-        missing=_missing(run),
+        missing=needed,
         versions=_versions(run),
-        impact=_impact(struck),
-        impact_payloads=_impact_payloads(struck),
+        impact=impact,
+        impact_payloads=impact_payloads,
         result=result_element(run, standing(history)[1]),
         replay_header=script_json(played.header),
         replay_payload=_payload(played),
@@ -123,30 +128,24 @@ def _payload(played: ReplayData) -> Markup:
     return Markup(base64.b64encode(played.payload).decode("ascii"))
 
 
-def _impact(struck: Sequence[ReplayData]) -> Markup:
-    """The section of the impacts, "" if there is none to show."""
+def _impact(struck: Sequence[ReplayData]) -> tuple[Markup, Markup]:
+    """The section of the impacts, and what they are made of, as scripts that are none; "" and "" if there is none to show."""
     if not struck:
-        return Markup("")
+        return Markup(""), Markup("")
     names = enumerate(one.header["name"] for one in struck)
     options = joined(fill('<option value="{number}">{name}</option>', number=number, name=name) for number, name in names)
-    return fill(
+    section = fill(
         '<section aria-labelledby="h-impact" class="played"><h2 id="h-impact">The impact</h2>'
         '<p><label>Landing <select id="impact-choice">{options}</select></label></p>'
         '<div id="impact" role="group" aria-label="Impact"></div></section>',
         options=options,
     )  # fmt: skip
-
-
-def _impact_payloads(struck: Sequence[ReplayData]) -> Markup:
-    """What the impacts are made of, as scripts that are none."""
-    if not struck:
-        return Markup("")
     headers = fill('<script type="application/json" id="impact-headers">{all}</script>', all=script_json([one.header for one in struck]))
     payloads = [
         fill('<script type="text/plain" id="impact-payload-{number}">{payload}</script>', number=number, payload=_payload(one))
         for number, one in enumerate(struck)
     ]
-    return joined([headers, *payloads])
+    return section, joined([headers, *payloads])
 
 
 def _head(run: LaneOfRun, history: Sequence[Row], simulations: int) -> Markup:
@@ -221,9 +220,8 @@ def _story(passed_steps: Sequence[Step], last: Row) -> Markup:
 
 
 def _row(step: Step) -> tuple[object, ...]:
-    decides = step.verdict.deciding
-    outcome, stress = badge(step.outcome, sure=step.verdict.sure), "–" if decides is None else sentences.figures(decides)
-    return step.iteration, step.reason, outcome, stress, f"{step.restrained} ({step.share:.1%})", step.added
+    outcome, held = badge(step.outcome, sure=step.verdict.sure), f"{step.restrained} ({step.share:.1%})"
+    return step.iteration, step.reason, outcome, _stress(step), held, step.added
 
 
 def _notes(run: LaneOfRun) -> Markup:
@@ -232,18 +230,6 @@ def _notes(run: LaneOfRun) -> Markup:
         return Markup("")
     items = joined(fill("<li>{note}</li>", note=with_code(note)) for note in notes)
     return fill('<section aria-labelledby="h-notes"><h2 id="h-notes">Notes</h2><ul class="notes">{items}</ul></section>', items=items)
-
-
-def _settings(recipe: Recipe) -> Markup:
-    return table(
-        ("setting", "value", "what it is"),
-        [
-            (name.replace("_", " "), _plain(value), with_code(described(name)))
-            for name, value in recipe.settings.items()
-            if name != "material"  # in a table of its own
-        ],
-        "Settings",
-    )
 
 
 def _plain(value: object) -> object:
@@ -259,14 +245,14 @@ def _plain(value: object) -> object:
 
 def _limits(recipe: Recipe) -> list[str]:
     """Limits of the method, and those of the material and the standard of this run."""
-    material, own = recipe.test.material, []
+    material, layers, standard, own = recipe.test.material, recipe.test.layers_judged, recipe.test.after_standard, []
     if material.label != material.name:
         own.append(f"The figures are those of {material.label}; what is sold under the name lies apart ({SPREAD[material.name]}).")
-    if recipe.test.layers_judged:
-        own.append(f"{recipe.test.layers_judged[0].upper()}{recipe.test.layers_judged[1:]}.")
-    if recipe.test.standard:
-        words = f"{recipe.test.after_standard[0].upper()}{recipe.test.after_standard[1:]}"
-        own.append(f"{words}. {STANDARDS[recipe.test.standard].departs} The verdict is no test to the standard.")
+    if layers:
+        own.append(f"{layers[0].upper()}{layers[1:]}.")
+    if standard:
+        departs = STANDARDS[recipe.test.standard].departs
+        own.append(f"{standard[0].upper()}{standard[1:]}. {departs} The verdict is no test to the standard.")
     return [*LIMITS, *own]
 
 
@@ -285,24 +271,11 @@ def _material(material: Material) -> Markup:
     return joined([table(("property", "value"), rows, f"Material {material.name}"), source])
 
 
-def _missing(run: LaneOfRun) -> str:
-    """Preconditions of the command, in words: files or plug-ins it needs."""
-    model = run.record.origin.model
-    if not model:
-        return f"The run was begun from a mesh in memory: save it as {run.record.stem}.stl first. "
-    return "" if model.startswith("gallery:") else f"It needs the file {model} in the folder where it is typed. "
-
-
-def _digest(digest: str) -> Markup:
-    return fill('<span class="digest">{digest}</span>', digest=digest)
-
-
 def _versions(run: LaneOfRun) -> Markup:
-    recipe = run.recipe
+    recipe, specimen = run.recipe, run.recipe.test.specimen
+    digests = {"recipe (SHA-256)": recipe.digest, "surface": specimen.surface, "tetrahedra": specimen.tetrahedra}
     rows: list[tuple[str, object]] = [
-        ("recipe (SHA-256)", _digest(recipe.digest)),
-        ("surface", _digest(recipe.test.specimen.surface)),
-        ("tetrahedra", _digest(recipe.test.specimen.tetrahedra)),
+        *((name, fill('<span class="digest">{digest}</span>', digest=digest)) for name, digest in digests.items()),
         ("mechstyle", version("mechstyle")),
         ("Python", platform.python_version()),
         *((name, version(name)) for name in TOOLS),
@@ -317,25 +290,17 @@ def mimebundle(run: LaneOfRun) -> dict[str, str]:
     history = rows(run.store, run.lane)
     if not history:
         return {"text/plain": repr(run)}
-    tests = steps(run.store, history)
-    words = standing(history)[1].words
-    return {"text/plain": as_text(run, tests, words), "text/html": as_html(run, tests, words)}
-
-
-def as_text(run: LaneOfRun, tests: Sequence[Step], words: str) -> str:
-    """The run, its verdict in words and its simulations, a line each."""
-    lines = [f"{step.iteration:>5}  {_outcome(step):<19}  {_stress(step)}  {step.reason}" for step in tests]
-    return "\n".join([repr(run), words, *lines])
-
-
-def as_html(run: LaneOfRun, tests: Sequence[Step], words: str) -> str:
-    """The same as a table under a picture; no style sheet and no script, which such places strip."""
-    lines = [(step.iteration, step.reason, _outcome(step), _stress(step), f"{step.share:.0%}") for step in tests]
-    return fill(
+    words, lines, cells = standing(history)[1].words, list[str](), list[tuple[object, ...]]()
+    for step in steps(run.store, history):
+        outcome = sentences.marked(step.outcome, sure=step.verdict.sure)
+        lines.append(f"{step.iteration:>5}  {outcome:<19}  {_stress(step)}  {step.reason}")
+        cells.append((step.iteration, step.reason, outcome, _stress(step), f"{step.share:.0%}"))
+    html = fill(  # no style sheet and no script, which such places strip
         "<p><strong>{name}</strong> as “{prompt}”</p>{picture}<p>{words}</p>{rows}",
         name=run.record.name, prompt=run.recipe.style.prompt, picture=still(run), words=words,
-        rows=table(("iteration", "why it was simulated", "outcome", "stress", "held back"), lines, "Simulations"),
+        rows=table(("iteration", "why it was simulated", "outcome", "stress", "held back"), cells, "Simulations"),
     )  # fmt: skip
+    return {"text/plain": "\n".join([repr(run), words, *lines]), "text/html": html}
 
 
 def still(run: LaneOfRun) -> Markup:
@@ -353,10 +318,6 @@ def still(run: LaneOfRun) -> Markup:
 def _image(shown: Picture, words: str) -> Markup:
     data = Markup(base64.b64encode(shown.png).decode("ascii"))
     return fill('<img src="data:image/png;base64,{data}" alt="{words}">', data=data, words=words)
-
-
-def _outcome(step: Step) -> str:
-    return sentences.marked(step.outcome, sure=step.verdict.sure)
 
 
 def _stress(step: Step) -> str:

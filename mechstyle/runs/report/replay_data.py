@@ -13,7 +13,7 @@ a drop takes its time. `static/impact.js` plays what is packed here; positions a
 from __future__ import annotations
 
 import gzip
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -24,7 +24,6 @@ from numpy.typing import NDArray
 from mechstyle._colour import linear_to_srgb
 from mechstyle.fea.orientations import UP
 from mechstyle.loop.history import Row, per_iteration
-from mechstyle.loop.objects import Objects
 from mechstyle.pictures import scene
 from mechstyle.pictures.colormap import ABOVE, LINE, STRIPE, UNKNOWN, Scale
 from mechstyle.pictures.fields import Quantity, moment, quantities
@@ -49,12 +48,7 @@ Plane = NDArray[np.uint8] | NDArray[np.uint16]
 
 @dataclass(frozen=True)
 class ReplayData:
-    """All iterations of a lane.
-
-    Attributes:
-        header: What the payload holds, the frames and the layers, as JSON can hold it.
-        payload: The packed arrays, gzip.
-    """
+    """All iterations of a lane: frames and layers, as JSON can hold them, and the packed arrays, gzip."""
 
     header: dict[str, Any]
     payload: bytes
@@ -81,15 +75,9 @@ class Digests(msgspec.Struct, frozen=True):
 
 @dataclass(frozen=True, eq=False)
 class Channel:
-    """One field over all frames.
+    """One field over all frames: its different planes, raw, shape [vertex_count * width] each, and which of them each frame has.
 
-    Attributes:
-        name: Its key in the header.
-        planes: The different planes, raw, shape [vertex_count * width] each.
-        frames: Plane of each frame.
-        low: Value of raw 0.
-        step: Value of one raw step.
-        width: Numbers per vertex.
+    Raw 0 is the value `low`, and one raw step is `step`.
     """
 
     name: str
@@ -127,8 +115,7 @@ class Channel:
 def replay_data(run: LaneOfRun) -> ReplayData:
     """The replay of a lane, finished or not; a frame for an iteration, the newest where corrections repeated one.
 
-    Raises:
-        BadInput: If the lane has no checkpoint yet.
+    BadInput if the lane has no checkpoint yet.
     """
     history = begun(run)
     rows = _shown(per_iteration(history), run.part.surface)
@@ -140,24 +127,22 @@ def replay_data(run: LaneOfRun) -> ReplayData:
         newest = row.verdict or newest
         frames_of.append(tuple(quantities(run.recipe, newest)))
     each = zip(*frames_of, strict=True)  # the quantities of every frame
-    fields = {of[-1].name: _channel(run.store.objects, digests, of) for of in each}
+    fields = dict[str, Channel]()
+    for of in each:  # made as the quantity of the frame in which a plane appears first
+        different, frames = _unique(digests, of[-1].source)
+        arrays = [of[frames.index(place)].made(run.store.objects.get_array(digest)) for place, digest in enumerate(different)]
+        fields[of[-1].name] = channel_of(of[-1].name, arrays, frames)
     different, frames = _unique(digests, "colour")
     colours = (run.store.objects.get_array(digest).astype(np.float32) for digest in different)
     planes: list[Plane] = [np.rint(255 * np.clip(colour, 0, 1)).astype(np.uint8).ravel() for colour in colours]
     channels = [*fields.values(), Channel("colour", planes, frames, width=3)]
     header = {
-        "name": run.record.name,
-        "prompt": run.recipe.style.prompt,
-        "vertices": len(surface.vertices),
-        "faces": len(surface.faces),
-        "frames": [_frame(row) for row in rows],
-        "layers": [STYLE, *(layer_entry(quantity, fields[quantity.name]) for quantity in shown)],
-        "channels": [channel.spec for channel in channels],
-        "colours": palette(),
-        "light": light(),
-    }
-    arrays = (surface.vertices.astype("<f4"), surface.vertex_normals.astype("<f4"), surface.faces.astype("<u4"))
-    packed = b"".join([*(array.tobytes() for array in arrays), *(channel.packed() for channel in channels)])
+        "name": run.record.name, "prompt": run.recipe.style.prompt, "vertices": len(surface.vertices), "faces": len(surface.faces),
+        "frames": [_frame(row) for row in rows], "layers": [STYLE, *(layer_entry(quantity, fields[quantity.name]) for quantity in shown)],
+        "channels": [channel.spec for channel in channels], "colours": palette(), "light": light(),
+    }  # fmt: skip
+    base = (surface.vertices.astype("<f4"), surface.vertex_normals.astype("<f4"), surface.faces.astype("<u4"))
+    packed = b"".join([*(array.tobytes() for array in base), *(channel.packed() for channel in channels)])
     return ReplayData(header, gzip.compress(packed, 6, mtime=0))
 
 
@@ -174,31 +159,18 @@ def _unique(digests: Sequence[Digests], key: str) -> tuple[list[str], list[int]]
     return list(order), [order[digest] for digest in wanted]
 
 
-def _channel(objects: Objects, digests: Sequence[Digests], each: Sequence[Quantity]) -> Channel:
-    """A scalar field quantised to LEVELS steps between its extremes, made as the quantity of the frame it appears in."""
-    quantity = each[-1]
-    different, frames = _unique(digests, quantity.source)
-    arrays = [each[frames.index(place)].made(objects.get_array(digest)) for place, digest in enumerate(different)]
+def channel_of(name: str, arrays: Sequence[NDArray[Any]], frames: list[int] | None = None) -> Channel:
+    """A field of shape [vertex_count] or [vertex_count, width], quantised to LEVELS steps between its extremes; an array for each frame."""
     known = [array[np.isfinite(array)] for array in arrays]
     low = min((float(array.min()) for array in known if array.size), default=0.0)
     high = max((float(array.max()) for array in known if array.size), default=0.0)
-    step = (high - low) / LEVELS or 1.0
-    return Channel(quantity.name, [_quantised(array, low, step) for array in arrays], frames, low, step)
-
-
-def channel_of(name: str, arrays: Sequence[NDArray[Any]]) -> Channel:
-    """Frames of a field, shape [vertex_count] or [vertex_count, width], all quantised to LEVELS steps between their extremes."""
-    low, high = (float(pick([end(array) for array in arrays])) for pick, end in ((min, np.min), (max, np.max)))
-    step = (high - low) / LEVELS or 1.0
+    step, planes = (high - low) / LEVELS or 1.0, list[Plane]()
+    for values in map(np.ravel, arrays):
+        raw, finite = np.full(values.shape, NO_NUMBER, "<u2"), np.isfinite(values)
+        raw[finite] = np.rint((values[finite].astype(np.float64) - low) / step)
+        planes.append(raw)
     width = 1 if arrays[0].ndim == 1 else arrays[0].shape[1]
-    return Channel(name, [_quantised(np.ravel(array), low, step) for array in arrays], list(range(len(arrays))), low, step, width)
-
-
-def _quantised(values: NDArray[np.float32], low: float, step: float) -> Plane:
-    raw = np.full(values.shape, NO_NUMBER, "<u2")
-    known = np.isfinite(values)
-    raw[known] = np.rint((values[known].astype(np.float64) - low) / step)
-    return raw
+    return Channel(name, planes, list(range(len(arrays))) if frames is None else frames, low, step, width)
 
 
 def _frame(row: Row) -> dict[str, Any]:
@@ -249,7 +221,11 @@ def impacts(run: LaneOfRun) -> list[ReplayData]:
     """The impacts of the last checkpoint that were worked out: flat, then those that stress it most, as many as there is room for."""
     found: list[ReplayData] = []
     state = run.store.checkpoint(run.store.lane(run.lane).head)
-    for name, impact in _known(run, state):
+    recipe = run.store.recipe(state.recipe)
+    for name, normal in _landings(run, state):
+        impact = run.store.memo.recall(impact_key(recipe, state.displacement, normal), Impact)
+        if impact is None or impact.displacement.shape[1] != len(state.displacement):
+            continue
         played = impact_data(run, state, name, impact)
         if sum(len(one.payload) for one in (*found, played)) <= BUDGET:
             found.append(played)
@@ -259,21 +235,11 @@ def impacts(run: LaneOfRun) -> list[ReplayData]:
 def work_out(run: LaneOfRun) -> None:
     """Drop the last checkpoint flat, and in the other landing that stresses it most, so that `impacts` finds them.
 
-    Raises:
-        SimulationFailed: If a drop breaks down.
+    SimulationFailed if a drop breaks down.
     """
     state = run.store.checkpoint(run.store.lane(run.lane).head)
     for _, normal in _landings(run, state)[:2]:
         impact_of(run.part, run.store.recipe(state.recipe), state.displacement, run.store.memo, normal=normal)
-
-
-def _known(run: LaneOfRun, state: Checkpoint) -> Iterator[tuple[str, Impact]]:
-    """Name and impact of each landing of the last simulation whose impact is remembered."""
-    recipe = run.store.recipe(state.recipe)
-    for name, normal in _landings(run, state):
-        impact = run.store.memo.recall(impact_key(recipe, state.displacement, normal), Impact)
-        if impact is not None and impact.displacement.shape[1] == len(state.displacement):
-            yield name, impact
 
 
 def _landings(run: LaneOfRun, state: Checkpoint) -> list[tuple[str, Place]]:
@@ -289,30 +255,23 @@ def impact_data(run: LaneOfRun, state: Checkpoint, name: str, impact: Impact) ->
     frames = moments(len(impact.time), impact.peak)
     motions = [impact.motion(vertices, frame) for frame in frames]
     spans = zip([-1, *frames[:-1]], frames, strict=True)
-    quantity = _judged(run, state, name)
-    stress = channel_of("moment", [quantity.made(impact.stress[before + 1 : last + 1].max(axis=0)) for before, last in spans])
-    deformation = channel_of("deformation", [motion.deformation for motion in motions])
-    header: dict[str, Any] = {
-        "name": name,
-        "peak": frames.index(impact.peak),
-        "frames": [
-            {"time": float(impact.time[frame]), "turn": np.ravel(motion.turn).tolist(), "shift": motion.shift.tolist()}
-            for frame, motion in zip(frames, motions, strict=True)
-        ],
-        "layers": [layer_entry(quantity, stress)],
-        "channels": [stress.spec, deformation.spec],
-    }
-    return ReplayData(header, gzip.compress(stress.packed() + deformation.packed(), 6, mtime=0))
-
-
-def _judged(run: LaneOfRun, state: Checkpoint, name: str) -> Quantity:
-    """The stress of a moment as the landing of a name is judged, which need not be the hardest of its kind."""
-    verdict, strength = run.store.verdict(state), run.store.recipe(state.recipe).test.material.yield_strength
+    # the stress of a moment as this very landing is judged, which need not be the hardest of its kind
+    verdict, quantity = run.store.verdict(state), moment(run.store.recipe(state.recipe).test.material.yield_strength)
     tested = run.store.objects.get_record(state.simulation, Simulation).landing(name) if state.simulation else None
     row = None if verdict is None or tested is None else verdict.row(tested.way)
-    if row is None or tested is None:
-        return moment(strength)
-    return moment(row.limit, msgspec.structs.replace(row, landing=name, stress=tested.stress))
+    if row is not None and tested is not None:
+        quantity = moment(row.limit, msgspec.structs.replace(row, landing=name, stress=tested.stress))
+    stress = channel_of("moment", [quantity.made(impact.stress[before + 1 : last + 1].max(axis=0)) for before, last in spans])
+    deformation = channel_of("deformation", [motion.deformation for motion in motions])
+    moved = [
+        {"time": float(impact.time[frame]), "turn": np.ravel(motion.turn).tolist(), "shift": motion.shift.tolist()}
+        for frame, motion in zip(frames, motions, strict=True)
+    ]
+    header = {
+        "name": name, "peak": frames.index(impact.peak), "frames": moved,
+        "layers": [layer_entry(quantity, stress)], "channels": [stress.spec, deformation.spec],
+    }  # fmt: skip
+    return ReplayData(header, gzip.compress(stress.packed() + deformation.packed(), 6, mtime=0))
 
 
 def moments(count: int, peak: int) -> list[int]:

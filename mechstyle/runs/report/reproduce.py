@@ -89,16 +89,15 @@ def _recipes(run: LaneOfRun, history: Sequence[Entry]) -> list[Recipe]:
 
 def settings_for(recipe: Recipe, start: Callable[..., Recipe]) -> dict[str, Any]:
     """The settings that lead from `start`, a function of settings such as `draft`, to the recipe."""
-    plain = [name for name in SETTINGS if name not in AS_THEY_ARE]
+
+    def differing(names: Sequence[str], old: Recipe) -> dict[str, Any]:
+        values = {name: value for name, _, value in old.differences(recipe) if value is not None}  # what is None cannot be asked for
+        return {name: values[name] for name in names if name in values}
+
     given: dict[str, Any] = {}
-    for names in (FIRST, plain):
-        given |= _differing(names, start(**given), recipe)
-    return _differing(AS_THEY_ARE, start(), recipe) | given
-
-
-def _differing(names: Sequence[str], old: Recipe, new: Recipe) -> dict[str, Any]:
-    values = {name: value for name, _, value in old.differences(new) if value is not None}  # what is None cannot be asked for
-    return {name: values[name] for name in names if name in values}
+    for names in (FIRST, [name for name in SETTINGS if name not in AS_THEY_ARE]):
+        given |= differing(names, start(**given))
+    return differing(AS_THEY_ARE, start()) | given
 
 
 def options(settings: dict[str, Any], known: Collection[str] = OPTIONS) -> list[str]:

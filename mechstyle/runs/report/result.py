@@ -20,19 +20,11 @@ OUTCOMES = ("HOLDS", "NO WORSE", "FAILS", "UNKNOWN")
 
 
 class Result(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """A finished run in a line.
+    """A finished run in a line: as in `Summary`, and what was asked of the part.
 
     Attributes:
-        part: Name of the part.
-        prompt: The style.
-        material: Name of the material.
-        outcome: HOLDS, NO WORSE, FAILS or UNKNOWN.
-        sure: Whether no doubt is left.
         fall: Height of the fall asked for [mm].
         survives: Critical drop height of the test that decides [mm]; None for a load, or where nothing was tested.
-        kept: Share of the style's relief that is left.
-        simulations: Simulations of the styled part.
-        vertices: Vertices of the surface.
         tests: Names of the tests that decided, in their order.
         recipe: Digest of the recipe.
     """
@@ -51,32 +43,25 @@ class Result(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     recipe: str
 
 
-def result_of(run: LaneOfRun, verdict: Verdict) -> Result | None:
-    """The result of a lane; None of one that is not finished."""
+def result_element(run: LaneOfRun, verdict: Verdict) -> Markup:
+    """The element that holds the result of a lane, "" for one that is not finished."""
     if not run.finished:
-        return None
+        return Markup("")
     summary, decides = run.summary, verdict.deciding
-    return Result(
+    result = Result(
         part=run.record.name, prompt=run.recipe.style.prompt, material=run.recipe.test.material.label,
         outcome=verdict.outcome, sure=verdict.sure, fall=run.recipe.test.height,
         survives=None if decides is None else decides.height, kept=summary.kept,
         simulations=len(summary.simulations), vertices=len(run.part.surface.vertices),
         tests=tuple(row.test for row in verdict.rows if row.decides), recipe=run.recipe.digest,
     )  # fmt: skip
-
-
-def result_element(run: LaneOfRun, verdict: Verdict) -> Markup:
-    """The element that holds it, "" for a lane that is not finished."""
-    result = result_of(run, verdict)
-    held = "" if result is None else script_json(msgspec.to_builtins(result))
-    return Markup(f'<script type="application/json" id="result">{held}</script>\n' if held else "")
+    return Markup(f'<script type="application/json" id="result">{script_json(msgspec.to_builtins(result))}</script>\n')
 
 
 def read_result(file: str | Path) -> Result:
     """The result in a report that somebody handed in; nothing else of the file is looked at.
 
-    Raises:
-        BadInput: If it is no report, one of an unfinished run or of an older version, or holds what no run comes to.
+    BadInput if it is no report, one of an unfinished run or of an older version, or holds what no run comes to.
     """
     path = Path(file)
     if not path.is_file():

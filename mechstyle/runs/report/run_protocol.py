@@ -9,24 +9,9 @@ from mechstyle.loop.history import Row, rows
 from mechstyle.loop.store import Store
 from mechstyle.pictures.panels import Picture
 from mechstyle.records import Recipe
+from mechstyle.runs.folders import PartRecord
 from mechstyle.runs.summary import Summary
-from mechstyle.simulation.part import Origin, Workpiece
-
-
-class Part(Protocol):
-    """The record of a part."""
-
-    @property
-    def name(self) -> str:
-        """Its name."""
-
-    @property
-    def stem(self) -> str:
-        """Its name as the first part of the name of a file."""
-
-    @property
-    def origin(self) -> Origin:
-        """The model or file it was prepared from."""
+from mechstyle.simulation.part import Workpiece
 
 
 class LaneOfRun(Protocol):
@@ -45,7 +30,7 @@ class LaneOfRun(Protocol):
         """The recipe in force."""
 
     @property
-    def record(self) -> Part:
+    def record(self) -> PartRecord:
         """The part as stored."""
 
     @property

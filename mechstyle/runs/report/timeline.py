@@ -23,12 +23,7 @@ REACH, ROOM = 11.0, 3.0
 
 
 def timeline(tests: Sequence[Step], last: int) -> Markup:
-    """The chart of a lane that stands at iteration `last`; marks carry `data-iteration` for the script.
-
-    Args:
-        tests: At least one simulation.
-        last: Newest iteration, at least the last of `tests`.
-    """
+    """The chart of a lane that stands at iteration `last`, of at least one simulation; marks carry `data-iteration` for the script."""
     span = max(last, 1)
     top = 1.12 * max(max(_stress(step), _limit(step)) for step in tests)
     x = {step.iteration: LEFT + (RIGHT - LEFT) * step.iteration / span for step in tests}
@@ -42,6 +37,19 @@ def timeline(tests: Sequence[Step], last: int) -> Markup:
     limit = _limit(tests[-1])
     allowed = f"M{LEFT} {height(_limit(tests[0])):.1f}"
     allowed += "".join(f"H{x[step.iteration]:.1f}V{height(_limit(step)):.1f}" for step in tests)
+    marks = []
+    for step in tests:
+        figures = "" if step.verdict.deciding is None else f", {sentences.figures(step.verdict.deciding)}"
+        words = f"iteration {step.iteration}: {sentences.marked(step.outcome, sure=step.verdict.sure)}{figures}; {step.reason}"
+        marks.append(
+            fill(
+                '<g class="mark {kind}" transform="translate({x} {y})" data-iteration="{iteration}"'
+                ' role="button" tabindex="0" aria-label="{words}">'
+                '<title>{words}</title><circle class="reach" r="14"/>{shape}</g>',
+                kind=kind(step.outcome), x=f"{x[step.iteration]:.1f}", y=f"{height(_stress(step)):.1f}", iteration=step.iteration,
+                words=words, shape=mark(step.outcome, sure=step.verdict.sure),
+            )
+        )  # fmt: skip
     beside, name = _free_place(height(limit), line, [(x[step.iteration], height(_stress(step))) for step in tests])
     return fill(
         '<svg class="timeline" viewBox="0 0 {width} {height}" role="group" tabindex="0"'
@@ -54,7 +62,7 @@ def timeline(tests: Sequence[Step], last: int) -> Markup:
         width=WIDTH, height=HEIGHT, left=LEFT, right=RIGHT, last=span,
         beside=beside, allowed=allowed, name=f"{name:.1f}",
         limit=f"{limit:.1f}", peaks=peaks, axes=_axes(span, top), held=_held(tests, x, RIGHT if last else LEFT),
-        marks=joined(_mark(step, x[step.iteration], height(_stress(step))) for step in tests),
+        marks=joined(marks),
         top=STRESS_TOP - 8, bottom=HELD_BOTTOM,
     )  # fmt: skip
 
@@ -90,19 +98,6 @@ def _distance(x: float, y: float, right: float, base: float) -> float:
     return max(right - NAME[0] - x, x - right, base + 3 - NAME[1] - y, y - base - 3, 0.0)
 
 
-def _mark(step: Step, x: float, y: float) -> Markup:
-    decides = step.verdict.deciding
-    figures = "" if decides is None else f", {sentences.figures(decides)}"
-    words = f"iteration {step.iteration}: {sentences.marked(step.outcome, sure=step.verdict.sure)}{figures}; {step.reason}"
-    return fill(
-        '<g class="mark {kind}" transform="translate({x} {y})" data-iteration="{iteration}"'
-        ' role="button" tabindex="0" aria-label="{words}">'
-        '<title>{words}</title><circle class="reach" r="14"/>{shape}</g>',
-        kind=kind(step.outcome), x=f"{x:.1f}", y=f"{y:.1f}", iteration=step.iteration, words=words,
-        shape=mark(step.outcome, sure=step.verdict.sure),
-    )  # fmt: skip
-
-
 def _stress(step: Step) -> float:
     """Stress in the test that decides [MPa], 0 without an answer."""
     decides = step.verdict.deciding
@@ -123,12 +118,10 @@ def _axes(span: int, top: float) -> Markup:
     ]
     parts += [_rung(STRESS_BOTTOM - (STRESS_BOTTOM - STRESS_TOP) * value / top, f"{value:g}") for value in ticks(top, 4)]
     parts += [_rung(HELD_BOTTOM, "0 %"), _rung(HELD_TOP, "100 %")]
-    parts += [_under(LEFT + (RIGHT - LEFT) * value / span, f"{value:g}") for value in ticks(span, 10) if value == int(value)]
+    template = '<text x="{x:.1f}" y="{y}" text-anchor="middle">{name:g}</text>'
+    whole = (value for value in ticks(span, 10) if value == int(value))
+    parts += [Markup(template.format(x=LEFT + (RIGHT - LEFT) * value / span, y=HELD_BOTTOM + 20, name=value)) for value in whole]
     return joined(parts)
-
-
-def _under(x: float, name: str) -> Markup:
-    return fill('<text x="{x}" y="{y}" text-anchor="middle">{name}</text>', x=f"{x:.1f}", y=HELD_BOTTOM + 20, name=name)
 
 
 def _rung(y: float, name: str) -> Markup:

@@ -29,17 +29,11 @@ def scale_by_area(mesh: SurfaceMesh) -> float:
 
 
 class Bond(NamedTuple):
-    """Cells in rows.
+    """Cells in rows."""
 
-    Attributes:
-        x: Place along the row in the cell, in [-½, ½], 0 in the middle, shape [n].
-        y: Place across the row, upwards, in [-½, ½], shape [n].
-        odd: Whether the row is one of every second, shape [n].
-    """
-
-    x: Floats
-    y: Floats
-    odd: NDArray[np.bool_]
+    x: Floats  # place along the row in the cell, in [-½, ½], 0 in the middle, shape [n]
+    y: Floats  # place across the row, upwards, in [-½, ½], shape [n]
+    odd: NDArray[np.bool_]  # whether the row is one of every second, shape [n]
 
 
 class Canvas:
@@ -60,15 +54,9 @@ class Canvas:
     """
 
     def __init__(
-        self,
-        mesh: SurfaceMesh,
-        seed: int,
-        size: float = 1.0,
-        colour: tuple[float, float, float] | None = None,
-        shade: float = 1.0,
-        *,
+        self, mesh: SurfaceMesh, seed: int, size: float = 1.0, colour: tuple[float, float, float] | None = None, shade: float = 1.0, *,
         nozzle: float = 0.0,
-    ) -> None:
+    ) -> None:  # fmt: skip
         self.colour = colour
         self.shade = shade
         self.mesh = mesh
@@ -101,12 +89,9 @@ class Canvas:
             self.operators, self._charts = other.operators, other._charts
 
     def unit(self, what: str, finest: float, edges: float = 2.0) -> float:
-        """Millimetres per nominal millimetre, enough for the finest feature to be carried by the mesh.
+        """Millimetres per nominal millimetre, enough for the mesh to carry the finest feature.
 
-        Args:
-            what: Plural name of the finest feature, for the note.
-            finest: Its nominal size [mm].
-            edges: How many mesh edges it must span.
+        The feature has a plural name, for the note, and a nominal size [mm], and must span so many mesh edges.
         """
         needed = edges * self.edge / finest
         # Meshes of one vertex count differ a little in edge length; a pattern a tenth too fine is still carried.
@@ -123,14 +108,10 @@ class Canvas:
         return unit
 
     def bond(self, length: float, height: float, *, shift: float = 0.5, margin: float = 0.0, grip: float = 1.0) -> Bond:
-        """Rows of cells, by default in running bond.
+        """Rows of cells of a length and height [mm], by default in running bond, every second row shifted by so many cells.
 
-        Args:
-            length: Of a cell along its row [mm].
-            height: Of a row [mm].
-            shift: How far every second row is shifted [cells].
-            margin: How far inside the outermost cells a box-like part ends [mm].
-            grip: How firmly cells stay above each other where the part gets narrower; below 1 they rather keep their length.
+        The outermost cells end a `margin` [mm] outside a box-like part. Below a `grip` of 1, cells rather keep their length than stay above
+        each other where the part gets narrower.
         """
         self.go_on()
         chart = self.chart
@@ -222,15 +203,10 @@ def dome(reach: Floats) -> Floats:
 
 
 class Place(NamedTuple):
-    """A place on a scale.
+    """A place on a scale."""
 
-    Attributes:
-        aside: 0 on its middle line, 1 at its flanks, shape [n].
-        down: 0 on the line it hangs from, 1 at its tip, shape [n].
-    """
-
-    aside: Floats
-    down: Floats
+    aside: Floats  # 0 on its middle line, 1 at its flanks, shape [n]
+    down: Floats  # 0 on the line it hangs from, 1 at its tip, shape [n]
 
 
 def hanging(bond: Bond) -> Place:

@@ -11,11 +11,8 @@ grows along that vertex's arrow.
 
 from __future__ import annotations
 
-from typing import Protocol
-
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import NDArray
 
 from mechstyle.records.mesh import Floats, Indices, SurfaceMesh
 from mechstyle.styling.drawing.operators import Complexes, Factors, Operators
@@ -25,31 +22,8 @@ KEPT = 8
 _BOX_SHARE, _BOX_COSINE = 0.80, float(np.cos(np.radians(10.0)))
 
 
-class Chart(Protocol):
-    """Phases of rows and columns, and the directions in which they grow."""
-
-    @property
-    def along(self) -> Floats:
-        """Unit tangent along the rows, shape [n, 3]."""
-
-    @property
-    def up(self) -> Floats:
-        """Unit tangent across the rows, upwards, shape [n, 3]."""
-
-    def columns(self, length: float, margin: float, grip: float) -> Floats:
-        """Phase along the horizontal [columns], one every `length` [mm], modulo one; shape [n]."""
-
-    def rows(self, height: float, margin: float) -> Floats:
-        """Phase upwards [rows], one every `height` [mm], modulo two, shape [n]."""
-
-
 class StripeChart:
-    """Rows and columns along a smooth line field.
-
-    Attributes:
-        along: Unit tangent along the rows, shape [n, 3].
-        up: Unit tangent across the rows, upwards, shape [n, 3].
-    """
+    """Rows and columns along a smooth line field, with unit tangents `along` the rows and `up` across them, shape [n, 3]."""
 
     def __init__(self, operators: Operators) -> None:
         self._operators = operators
@@ -58,15 +32,16 @@ class StripeChart:
         self._known: dict[tuple[str, float, float], Floats] = {}  # a finer drawing or another depth asks again, and each takes a second
 
     def columns(self, length: float, margin: float, grip: float) -> Floats:  # noqa: ARG002  (stripes end nowhere)
-        """Phase along the horizontal; see `Chart`, and `stripes` for the grip."""
+        """Phase along the horizontal [columns], one every `length` [mm], modulo one, shape [n]; see `stripes` for the grip."""
         asked = ("columns", length, grip)
         if asked not in self._known:
             self._keep(asked, stripes(self._operators, self.along, length, grip=grip))
         return self._known[asked]
 
     def rows(self, height: float, margin: float) -> Floats:
-        """Phase upwards; see `Chart`. It is solved at half the frequency, so that the rows' parity is known.
+        """Phase upwards [rows], one every `height` [mm], modulo two, shape [n].
 
+        It is solved at half the frequency, so that the rows' parity is known.
         Rows are stretched a little so that a whole number fills the height from `margin` below the part to as much above it, and on the
         outside of upright walls they start there; the solution is free to slide, so that this costs nothing.
         """
@@ -93,11 +68,7 @@ class BoxChart:
 
     Periods are stretched a little so that whole rows, and half columns, fill the box from `margin` before its first face to as much
     after its last. On every second pair of sides columns start half a length later, so that at a corner the long and short faces of
-    bricks alternate.
-
-    Attributes:
-        along: Unit tangent along the rows, shape [n, 3].
-        up: Unit tangent across the rows, upwards on walls, shape [n, 3].
+    bricks alternate. The tangents are those of `StripeChart`; `up` is upwards on walls.
     """
 
     def __init__(self, mesh: SurfaceMesh) -> None:
@@ -115,12 +86,12 @@ class BoxChart:
         self._sense = np.einsum("ij,ij->i", self.along, self._axes[self._column_axis])
 
     def columns(self, length: float, margin: float, grip: float) -> Floats:  # noqa: ARG002  (columns of a box are all alike)
-        """Phase along the horizontal; see `Chart`."""
+        """Phase along the horizontal, as of `StripeChart`."""
         phase = self._fitted(self._column_axis, length, 0.5, margin)
         return self._sense * (phase + np.where(self._face == 0, 0.5, 0.0))
 
     def rows(self, height: float, margin: float) -> Floats:
-        """Phase upwards; see `Chart`."""
+        """Phase upwards, as of `StripeChart`."""
         return self._fitted(self._row_axis, height, 1.0, margin)
 
     def _fitted(self, axes: Indices, period: float, unit: float, margin: float) -> Floats:
@@ -130,6 +101,10 @@ class BoxChart:
         cells = unit * np.maximum(np.round(extent / (unit * period)), 1.0)
         chosen = np.arange(len(axes)), axes
         return np.asarray((self._place[chosen] - low[axes]) / extent[axes] * cells[axes] - 0.5)
+
+
+Chart = StripeChart | BoxChart
+"""Phases of rows and columns, and the directions in which they grow."""
 
 
 def box_axes(mesh: SurfaceMesh) -> Floats:
@@ -211,7 +186,17 @@ def stripes(
     along = np.einsum("ij,ij->i", operators.edge_vectors, 0.5 * (direction[tail] + sign[:, None] * direction[head]))
     across = along**2 / np.maximum((operators.edge_vectors**2).sum(axis=1), 1e-24)  # an edge may have no length
     weights = operators.weights * np.maximum(agreement**2, 0.01) ** 4 * (grip + (1.0 - grip) * across)
-    energy = _stripe_energy(count, operators, 2.0 * np.pi / period * along, sign, weights)
+    # Σ w |ψ_head − M ψ_tail|², M a rotation by the angle between the ends, mirrored where the sign is −1; ψ as (real, imaginary).
+    turn = 2.0 * np.pi / period * along
+    first, second = tail.astype(np.int64), head.astype(np.int64)
+    cosine, sine = weights * np.cos(turn), weights * np.sin(turn)
+    blocks = ((0, 0, cosine), (0, 1, -sine), (1, 0, sign * sine), (1, 1, sign * cosine))
+    rows = [second + a * count for a, _, _ in blocks] + [first + b * count for _, b, _ in blocks]
+    columns = [first + b * count for _, b, _ in blocks] + [second + a * count for a, _, _ in blocks]
+    values = [-value for _, _, value in blocks] * 2
+    degree, diagonal = np.bincount(first, weights, count) + np.bincount(second, weights, count), np.arange(2 * count)
+    index = (np.concatenate([*rows, diagonal]), np.concatenate([*columns, diagonal]))
+    energy = sp.csr_array((np.concatenate([*values, degree, degree]), index), (2 * count, 2 * count))
 
     mass = np.tile(operators.mesh.vertex_areas, 2)
     both = np.stack([operators.order, operators.order + count], axis=1).ravel()
@@ -223,19 +208,3 @@ def stripes(
         psi = solver.solve(mass * psi)
         psi /= np.sqrt(mass @ psi**2)
     return np.arctan2(psi[count:], psi[:count]) / (2.0 * np.pi)
-
-
-def _stripe_energy(count: int, operators: Operators, turn: Floats, sign: Floats, weights: Floats) -> sp.csr_array:
-    """Symmetric matrix of Σ w |ψ_head − M ψ_tail|², M a rotation by `turn`, mirrored where `sign` is −1; ψ as (real, imaginary)."""
-    tail, head = operators.tail.astype(np.int64), operators.head.astype(np.int64)
-    cosine, sine = weights * np.cos(turn), weights * np.sin(turn)
-    blocks: tuple[tuple[int, int, NDArray[np.float64]], ...] = (
-        (0, 0, cosine), (0, 1, -sine), (1, 0, sign * sine), (1, 1, sign * cosine),
-    )
-    rows = [head + a * count for a, _, _ in blocks] + [tail + b * count for _, b, _ in blocks]
-    columns = [tail + b * count for _, b, _ in blocks] + [head + a * count for a, _, _ in blocks]
-    values = [-value for _, _, value in blocks] * 2
-    degree = np.bincount(tail, weights, count) + np.bincount(head, weights, count)
-    diagonal = np.arange(2 * count)
-    index = (np.concatenate([*rows, diagonal]), np.concatenate([*columns, diagonal]))
-    return sp.csr_array((np.concatenate([*values, degree, degree]), index), (2 * count, 2 * count))

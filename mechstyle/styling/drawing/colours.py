@@ -83,19 +83,12 @@ _ALIKE = 1e-4  # by how much the shade of one channel may differ from that of th
 
 @dataclass(frozen=True)
 class Finish:
-    """A metal, or what became of one.
+    """A metal, or what became of one."""
 
-    Attributes:
-        hollow: Its colour where the style is darkest, hexadecimal digits.
-        crest: The same where it is lightest.
-        sheen: How it reflects.
-        mottled: How much lighter and darker it is from place to place.
-    """
-
-    hollow: str
-    crest: str
-    sheen: Sheen
-    mottled: float = 0.0
+    hollow: str  # its colour where the style is darkest, hexadecimal digits
+    crest: str  # the same where it is lightest
+    sheen: Sheen  # how it reflects
+    mottled: float = 0.0  # how much lighter and darker it is from place to place
 
 
 FINISHES: Mapping[str, Finish] = {
@@ -128,14 +121,7 @@ def finish_of(colour: ArrayLike | None) -> tuple[Finish, float] | None:
 
 
 def cast(colours: Floats, colour: ArrayLike, found: tuple[Finish, float], cloud: Floats) -> Floats:
-    """A metal with the lights and darks of a style.
-
-    Args:
-        colours: Display RGB of the style, shape [n, 3].
-        colour: Of the metal, shape [3].
-        found: Its finish, and how light it is.
-        cloud: Noise in about [-1, 1], shape [n], which mottles it.
-    """
+    """A metal's colour, shape [3], with the lights and darks of a style's, shape [n, 3], mottled by a cloud in about [-1, 1], shape [n]."""
     (finish, shade), light = found, lightness(colours)
     hollow, crest = (shaded(rgb(code), shade) for code in (finish.hollow, finish.crest))
     light = light * (1.0 + finish.mottled * cloud)

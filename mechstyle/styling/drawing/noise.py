@@ -25,9 +25,9 @@ def mixed(values: NDArray[np.uint64]) -> NDArray[np.uint64]:
     return z ^ (z >> np.uint64(31))
 
 
-def random_of(identities: NDArray[np.integer], seed: int, salt: int = 0) -> Floats:
+def random_of(identities: NDArray[np.integer], seed: int) -> Floats:
     """Uniform random numbers in [0, 1), one per identity, equal for equal identities, any shape."""
-    key = mixed(np.array([seed * 1_000_003 + salt], dtype=np.uint64))
+    key = mixed(np.array([seed * 1_000_003], dtype=np.uint64))
     bits = mixed(identities.astype(np.uint64) ^ key)
     return (bits >> np.uint64(11)).astype(np.float64) / 2.0**53
 
@@ -55,16 +55,10 @@ def perlin(points: Floats, seed: int) -> Floats:
     return total
 
 
-def fbm(points: Floats, wavelength: float, octaves: int, seed: int, *, finest: float = 0.0, gain: float = 0.5) -> Floats:
-    """Fractal sum of noise, each octave twice as fine and `gain` as strong (Musgrave 1998), three deviations scaled to 1.
+def fbm(points: Floats, wavelength: float, octaves: int, seed: int, *, finest: float = 0.0) -> Floats:
+    """Fractal sum of noise, each octave twice as fine and half as strong (Musgrave 1998), three deviations scaled to 1, at points [n, 3].
 
-    Args:
-        points: Where [mm], shape [n, 3].
-        wavelength: Of the coarsest octave [mm].
-        octaves: How many at most.
-        seed: Decides the field.
-        finest: Octaves of a shorter wavelength [mm] than this are left out, because the mesh would alias them.
-        gain: Strength of an octave over that of the one before.
+    The coarsest octave has the wavelength [mm]; those finer than `finest` [mm] are left out, because the mesh would alias them.
     """
     total, power, strength = np.zeros(len(points)), 0.0, 1.0
     for octave in range(octaves):
@@ -73,5 +67,5 @@ def fbm(points: Floats, wavelength: float, octaves: int, seed: int, *, finest: f
         shift = 37.0 * octave + 0.5  # octaves must not share the lattice, where the noise is zero
         total += strength * perlin(points / wavelength + shift, seed + octave)
         power += strength**2
-        wavelength, strength = wavelength / 2.03, strength * gain
+        wavelength, strength = wavelength / 2.03, strength * 0.5
     return np.asarray(total / (_TYPICAL_PEAK * _PERLIN_DEVIATION * power**0.5))

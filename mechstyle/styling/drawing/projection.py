@@ -6,7 +6,7 @@ Everything that decides where it lies is worked out once, on the part's own surf
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 
@@ -27,32 +27,11 @@ _WORTH = 0.05  # least share of the surface that a face must have to say how lar
 
 
 class Layer(NamedTuple):
-    """A flat picture on a surface, at some places.
+    """A flat picture on a surface, at some places."""
 
-    Attributes:
-        u: To the right from the middle of the picture [widths], shape [n].
-        v: Upwards from its middle [heights], shape [n].
-        share: How much of what is seen there is of this layer, shape [n].
-    """
-
-    u: Floats
-    v: Floats
-    share: Floats
-
-
-class Projection(Protocol):
-    """A way to lay a picture on a part."""
-
-    @property
-    def width(self) -> float:
-        """Of the picture as it lies there [mm]."""
-
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """What the user should know of it, in sentences."""
-
-    def layers(self, points: Floats, normals: Floats) -> list[Layer]:
-        """The layers at points [mm] with unit normals, shapes [n, 3]; their shares add up to 1 at most."""
+    u: Floats  # to the right from the middle of the picture [widths], shape [n]
+    v: Floats  # upwards from its middle [heights], shape [n]
+    share: Floats  # how much of what is seen there is of this layer, shape [n]
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,15 +41,15 @@ class Side:
     axes: Floats
     middle: Floats
 
-    def seen(self, points: Floats, width: float, aspect: float, *, mirrored: bool = False) -> tuple[Floats, Floats]:
-        """Places in the picture of points, shape [n, 3]; mirrored as seen from behind."""
+    def seen(self, points: Floats, width: float, aspect: float) -> tuple[Floats, Floats]:
+        """Places in the picture of points, shape [n, 3]."""
         right, up = (points - self.middle) @ self.axes[0], (points - self.middle) @ self.axes[1]
-        return (-right if mirrored else right) / width, up / (width * aspect)
+        return right / width, up / (width * aspect)
 
 
 @dataclass(frozen=True, eq=False)
 class BoxProjection:
-    """From all six sides of a box; on slanted places those that face them share."""
+    """From all six sides of a box; on slanted places those that face them share. The width is that of the picture on the part [mm]."""
 
     sides: tuple[Side, Side, Side]
     width: float
@@ -78,7 +57,7 @@ class BoxProjection:
     notes: tuple[str, ...] = ()
 
     def layers(self, points: Floats, normals: Floats) -> list[Layer]:
-        """See `Projection`."""
+        """The layers at points [mm] with unit normals, shapes [n, 3]; their shares add up to 1 at most."""
         facing = np.stack([normals @ side.axes[2] for side in self.sides])
         weight = np.abs(facing) ** _SHARPNESS
         share = weight / np.maximum(weight.sum(axis=0), 1e-12)
@@ -99,31 +78,24 @@ class PlanarProjection:
     notes: tuple[str, ...] = ()
 
     def layers(self, points: Floats, normals: Floats) -> list[Layer]:
-        """See `Projection`."""
+        """The layer at points, as of `BoxProjection`."""
         return [Layer(*self.side.seen(points, self.width, self.aspect), smoothstep(_GLANCING, _FACING, normals @ self.side.axes[2]))]
 
 
 @dataclass(frozen=True, eq=False)
 class AroundProjection:
-    """Around an upright axis, a whole number of times where it is repeated; lids and floors are seen from above.
+    """Around an upright axis, a whole number of times where it is repeated; lids and floors are seen from above."""
 
-    Attributes:
-        axis: x and y of the axis [mm].
-        radius: At which the picture is as wide as asked for [mm].
-        middle: Height of its middle [mm].
-        lids: What is seen from above; None for nothing.
-    """
-
-    axis: Floats
-    radius: float
-    middle: float
+    axis: Floats  # x and y of the axis [mm]
+    radius: float  # at which the picture is as wide as asked for [mm]
+    middle: float  # height of its middle [mm]
     width: float
     aspect: float
-    lids: Side | None
+    lids: Side | None  # what is seen from above; None for nothing
     notes: tuple[str, ...] = ()
 
     def layers(self, points: Floats, normals: Floats) -> list[Layer]:
-        """See `Projection`."""
+        """The layers at points, as of `BoxProjection`."""
         away = points[:, :2] - self.axis
         angle = np.arctan2(away[:, 0], -away[:, 1])  # 0 in front, growing to the right
         outside = np.einsum("ij,ij->i", away, normals[:, :2]) >= 0.0
@@ -136,15 +108,14 @@ class AroundProjection:
         return [sides, Layer(np.where(normals[:, 2] < 0.0, -across, across), up, 1.0 - upright)]
 
 
-def box_projection(mesh: SurfaceMesh, width: float | None, usual: float, aspect: float, *, repeated: bool) -> BoxProjection:
-    """Lay a picture on all sides of a part.
+Projection = BoxProjection | PlanarProjection | AroundProjection
+"""A way to lay a picture on a part."""
 
-    Args:
-        mesh: The part.
-        width: Of the picture [mm]; None for `usual` if it is repeated, else for what fits the narrowest side.
-        usual: Usual width of a repeated picture [mm].
-        aspect: Height over width of the picture.
-        repeated: Whether it is repeated.
+
+def box_projection(mesh: SurfaceMesh, width: float | None, usual: float, aspect: float, *, repeated: bool) -> BoxProjection:
+    """Lay a picture, repeated or not, of an aspect height over width on all sides of a part.
+
+    Its width [mm] is by default `usual` if it is repeated, else what fits the narrowest side.
     """
     x, y, z = _axes(mesh)
     frames = (np.stack([y, z, x]), np.stack([-x, z, y]), np.stack([x, y, z]))
@@ -254,23 +225,14 @@ def _median(values: Floats, weights: Floats) -> float:
 
 @dataclass(frozen=True, eq=False)
 class PlacedPicture:
-    """A picture on a part.
+    """A picture on a part."""
 
-    Attributes:
-        raster: The picture.
-        projection: How it lies on the part.
-        repeated: Whether it is repeated.
-        raised: Whether its light and dark become relief.
-        side: Where the relief goes from the surface, one of SIDES.
-        coloured: Whether its colours are taken.
-    """
-
-    raster: Raster
-    projection: Projection
-    repeated: bool
-    raised: bool
-    side: str
-    coloured: bool
+    raster: Raster  # the picture
+    projection: Projection  # how it lies on the part
+    repeated: bool  # whether it is repeated
+    raised: bool  # whether its light and dark become relief
+    side: str  # where the relief goes from the surface, one of SIDES
+    coloured: bool  # whether its colours are taken
 
     def seen(self, points: Floats, normals: Floats, footprint: float) -> Sample:
         """What it shows at points [mm] with unit normals, shapes [n, 3], each of which stands for a place of `footprint` [mm]."""

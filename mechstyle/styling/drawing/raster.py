@@ -30,17 +30,11 @@ _RADII = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0, 32.0)
 
 
 class Sample(NamedTuple):
-    """What a picture shows at some places.
+    """What a picture shows at some places."""
 
-    Attributes:
-        height: In [-1, 1] from its darkest to its lightest, shape [n].
-        colour: Display RGB in [0, 1], shape [n, 3].
-        cover: How much of the picture there is, 0 where it is transparent, shape [n].
-    """
-
-    height: Floats
-    colour: Floats
-    cover: Floats
+    height: Floats  # in [-1, 1] from its darkest to its lightest, shape [n]
+    colour: Floats  # display RGB in [0, 1], shape [n, 3]
+    cover: Floats  # how much of the picture there is, 0 where it is transparent, shape [n]
 
 
 class Raster:
@@ -69,13 +63,9 @@ class Raster:
         self._softened = lru_cache(maxsize=4)(self._soften)
 
     def at(self, u: Floats, v: Floats, footprint: float, *, repeated: bool) -> Sample:
-        """What the picture shows.
+        """What the picture shows at places across and up it, in its widths and heights from its middle, shape [n].
 
-        Args:
-            u: Place across it, to the right, in its widths from its middle, shape [n].
-            v: Place up it, in its heights from its middle, shape [n].
-            footprint: What one place stands for, in widths of the picture: finer detail is averaged.
-            repeated: Whether it is repeated without end; else there is nothing beside it.
+        Detail finer than `footprint`, in widths, is averaged. Unless it is repeated without end there is nothing beside it.
         """
         rows, columns = self._layers.shape[:2]
         layers, margin = self._softened(round(_AVERAGED * footprint * columns, 2), repeated)
@@ -159,14 +149,9 @@ _DAMAGED = (
 
 
 def pixels_of(image: str | Path | bytes | NDArray[Any]) -> Pixels:
-    """The pixels of a picture.
+    """The pixels of a picture: a PNG or JPEG file, its content, or an array; BadInput for one that cannot be used.
 
-    Args:
-        image: A PNG or JPEG file, its content, or an array: grey [h, w] or with 1 to 4 channels [h, w, c], integers of 8 or 16 bits,
-            or numbers in [0, 1].
-
-    Raises:
-        BadInput: If it cannot be used, in one sentence that says why and what to do.
+    An array is grey [h, w] or has 1 to 4 channels [h, w, c], of integers of 8 or 16 bits, or numbers in [0, 1].
     """
     if isinstance(image, np.ndarray):
         return _checked(_compact(_of_array(image)), "the picture")

@@ -19,17 +19,11 @@ _NEIGHBOURS = 8  # points looked at for the nearest border of a cell
 
 
 class Cells(NamedTuple):
-    """Worley (1996) cells.
+    """Worley (1996) cells."""
 
-    Attributes:
-        identity: Index of the nearest point, shape [n].
-        edge: Distance to the nearest border of the cell [mm], shape [n].
-        beside: Index of the point behind that border, shape [n].
-    """
-
-    identity: Indices
-    edge: Floats
-    beside: Indices
+    identity: Indices  # index of the nearest point, shape [n]
+    edge: Floats  # distance to the nearest border of the cell [mm], shape [n]
+    beside: Indices  # index of the point behind that border, shape [n]
 
     @property
     def facet(self) -> NDArray[np.int64]:
@@ -38,19 +32,12 @@ class Cells(NamedTuple):
 
 
 class Stamps(NamedTuple):
-    """The nearest stamps at each vertex by rising identity, each in its own tangent plane; all shape [n, k].
+    """The nearest stamps at each vertex by rising identity, each in its own tangent plane; all shape [n, k]."""
 
-    Attributes:
-        identity: Index of the stamp; scattered points have a random order, which serves to stack overlapping stamps.
-        x: Offset along its first axis [mm].
-        y: Offset along its second axis [mm].
-        facing: Cosine between the normals here and at its centre, -1 beyond a sharp edge; drawn around one a stamp would be smeared.
-    """
-
-    identity: Indices
-    x: Floats
-    y: Floats
-    facing: Floats
+    identity: Indices  # index of the stamp; scattered points have a random order, which serves to stack overlapping stamps
+    x: Floats  # offset along its first axis [mm]
+    y: Floats  # offset along its second axis [mm]
+    facing: Floats  # cosine between the normals here and at its centre, -1 beyond a sharp edge; drawn around one a stamp would be smeared
 
 
 def embedded(points: Floats, normals: Floats, spacing: float) -> Floats:

@@ -30,12 +30,12 @@ Look = Callable[[torch.Tensor, torch.Tensor, torch.Tensor], torch.Tensor]
 def antialiased(
     picture: torch.Tensor, surface: torch.Tensor, edges: torch.Tensor, buffer: torch.Tensor, look: Look, *, static: bool
 ) -> torch.Tensor:
-    """The picture with faded outlines.
+    """The picture, shape [channels, views · height · width], with faded outlines.
 
     Args:
-        picture: Values per pixel, shape [channels, views · height · width].
+        picture: Values per pixel.
         surface: Column, row, 1 / depth and whatever `look` needs of every vertex, shape [views, n, 3 or more]; gradients reach them.
-        edges: Of `raster.tensors.edges_of`, int32.
+        edges: Of `tensors.edges_of`, int32.
         buffer: The z-buffer, shape [views, height, width].
         look: How the surface looks at its outline.
         static: Whether no shape may depend on the picture. Outlines beyond an eighth of all pairs would stay hard.
@@ -54,7 +54,14 @@ def antialiased(
     view = first // (height * width)
     ends = taken(surface.flatten(0, 1), edges[:, :2].T.index_select(1, edge[pair].clamp(min=0)) + view * surface.shape[1])
     place, beside = ends.split([2, ends.shape[-1] - 2], dim=-1)
-    share, crossing = _crossing(place, first % (height * width), width, below)
+    # Where edges cross the line from the centre of a pixel to that of its neighbour: their share of the edge and of that line, from 0 to 1.
+    pixel, ((ax, ay), (bx, by)) = first % (height * width), (end.unbind(dim=1) for end in place)
+    x, y = (pixel % width).to(place) + 0.5, (pixel // width).to(place) + 0.5
+    along_a, along_b = torch.where(below, ax - x, ay - y), torch.where(below, bx - x, by - y)
+    across_a, across_b = torch.where(below, ay - y, ax - x), torch.where(below, by - y, bx - x)
+    length = along_b - along_a
+    share = -along_a / torch.where(length == 0, 1.0, length)
+    crossing = across_a + share * (across_b - across_a)
     # The two pixels meet half way: an edge beyond spreads the surface of the first into the second, one before it the reverse.
     beyond = crossing - 0.5
     at_outline = look(beside, torch.stack([1.0 - share, share]), view)
@@ -72,13 +79,8 @@ def _spread(picture: torch.Tensor, outline: torch.Tensor, second_inside: torch.T
     """The picture, shape [channels, views, height, width], with every two neighbours blended, in shifted copies of all of it.
 
     On a GPU, additions to chosen pixels would have to be sorted first to be repeatable. The last pixel of a line is shifted to its other
-    end, but no outline parts it from a neighbour, so that nothing is added there.
-
-    Args:
-        picture: With hard outlines.
-        outline: How the surface looks at the outline, and how far beyond half way between the two pixels that is, shape
-            [channels + 1, pairs].
-        second_inside: Whether the second pixel of a pair is the inner one, shape [pairs].
+    end, but no outline parts it from a neighbour. The last row of `outline`, shape [channels + 1, pairs], is how far beyond half way it
+    passes.
     """
     blended, shape = picture, (2, *picture.shape[1:])
     for axis, own, inner in zip((3, 2), outline.unflatten(1, shape).unbind(1), second_inside.view(shape), strict=True):  # right, below
@@ -88,24 +90,3 @@ def _spread(picture: torch.Tensor, outline: torch.Tensor, second_inside: torch.T
         into_second = beyond.clamp(min=0.0) * (torch.where(outward, look, picture) - neighbour)
         blended = blended + into_first + into_second.roll(1, axis)
     return blended
-
-
-def _crossing(ends: torch.Tensor, pixel: torch.Tensor, width: int, below: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
-    """Crossings of edges with the line from the centre of a pixel to that of its neighbour, both shape [pairs].
-
-    Args:
-        ends: Columns and rows of their ends, shape [2, pairs, 2].
-        pixel: Number of the first pixel in its view, shape [pairs].
-        width: Columns of the picture.
-        below: Whether the neighbour is the one below rather than the one to the right, shape [pairs].
-
-    Returns:
-        The place on the edge, from 0 to 1 between its ends, and the place on the line, from 0 to 1 between the centres.
-    """
-    (ax, ay), (bx, by) = (end.unbind(dim=1) for end in ends)
-    x, y = (pixel % width).to(ends) + 0.5, (pixel // width).to(ends) + 0.5
-    along_a, along_b = torch.where(below, ax - x, ay - y), torch.where(below, bx - x, by - y)
-    across_a, across_b = torch.where(below, ay - y, ax - x), torch.where(below, by - y, bx - x)
-    length = along_b - along_a
-    share = -along_a / torch.where(length == 0, 1.0, length)
-    return share, across_a + share * (across_b - across_a)

@@ -34,15 +34,7 @@ def towards_target(surface: SurfaceMesh, bounds: Bounds, recipe: Recipe, target:
 
 
 def towards_prompt(surface: SurfaceMesh, bounds: Bounds, recipe: Recipe, weights: Path, device: str) -> Stylizer:
-    """The field of a recipe, descending to what CLIP takes for the prompt; its relief is bounded as a drawn one is.
-
-    Args:
-        surface: The standardised part.
-        bounds: How far its vertices may go.
-        recipe: Prompt, field, dimensions, crops and seed.
-        weights: Folder of the CLIP weights.
-        device: Device of the run, as in `torch_device`.
-    """
+    """The field of a recipe, descending to what CLIP, of weights in a folder, takes for the prompt, bounded as a drawn relief."""
     where = torch_device(device)
     clip = Clip.load(weights, where)
     inward, outward = Dimensions.of(recipe).layout(Operators(surface), bounds.thickness, None).reach

@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 import zlib
 from collections.abc import Callable
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import torch
 from torch.nn import functional
@@ -26,35 +26,10 @@ from mechstyle.styling.learned.tensors import blended
 from mechstyle.styling.learned.unit_shape import Look
 
 
-class Draws(Protocol):
-    """Random draws of one iteration."""
-
-    @property
-    def tensors(self) -> tuple[torch.Tensor, ...]:
-        """Its tensors, always in the same order and of the same shapes."""
-
-
 class NoDraws(NamedTuple):
     """Nothing is random."""
 
     tensors: tuple[()] = ()
-
-
-class Guidance(Protocol):
-    """A loss to descend, and what the style field knows of the prompt."""
-
-    @property
-    def text(self) -> torch.Tensor:
-        """Embedding of the prompt, shape [text_size]."""
-
-    def draw(self, generator: torch.Generator) -> Draws:
-        """Random draws of one iteration."""
-
-    def loss(self, look: Look, draws: Any) -> torch.Tensor:
-        """Loss of a styled part, a scalar to be descended."""
-
-    def distance(self, look: Look) -> torch.Tensor:
-        """Distance of a styled part from the target, a deterministic scalar."""
 
 
 class TargetGuidance:
@@ -72,12 +47,12 @@ class TargetGuidance:
         generator = torch.Generator().manual_seed(zlib.crc32(prompt.encode()))
         self.text = torch.randn(text_size, generator=generator).to(device)
 
-    def draw(self, generator: torch.Generator) -> NoDraws:  # noqa: ARG002 — nothing about a target is random
-        """Nothing."""
+    def draw(self, _generator: torch.Generator) -> NoDraws:
+        """Nothing about a target is random."""
         return NoDraws()
 
-    def loss(self, look: Look, draws: NoDraws) -> torch.Tensor:  # noqa: ARG002
-        """Distance from the target."""
+    def loss(self, look: Look, _draws: Any) -> torch.Tensor:
+        """Distance from the target, a scalar to be descended."""
         return self.distance(look)
 
     def distance(self, look: Look) -> torch.Tensor:
@@ -101,19 +76,12 @@ Render = Callable[[torch.Tensor, torch.Tensor, Cameras], Any]
 
 
 class ClipDraws(NamedTuple):
-    """Random draws of one iteration of CLIP guidance.
+    """Random draws of one iteration of CLIP guidance."""
 
-    Attributes:
-        cameras: Views of the coloured part.
-        warps: Augmentations of these: one of the whole picture, then close looks.
-        grey_cameras: Other views, of the part without its colours.
-        grey_warps: Augmentations of these, closer looks.
-    """
-
-    cameras: Cameras
-    warps: Warps
-    grey_cameras: Cameras
-    grey_warps: Warps
+    cameras: Cameras  # views of the coloured part
+    warps: Warps  # augmentations of these: one of the whole picture, then close looks
+    grey_cameras: Cameras  # other views, of the part without its colours
+    grey_warps: Warps  # augmentations of these, closer looks
 
     def to(self, device: str) -> ClipDraws:
         """The same on a device."""
@@ -148,7 +116,7 @@ class ClipGuidance:
         both = Warps(*(torch.cat(parts) for parts in zip(whole, close, strict=True)))
         return ClipDraws(cameras, both, grey_cameras, closer).to(self._device)
 
-    def loss(self, look: Look, draws: ClipDraws) -> torch.Tensor:
+    def loss(self, look: Look, draws: Any) -> torch.Tensor:
         """Minus the sum of the cosines, from −(1 + 2 · crops) upwards."""
         cameras = draws.cameras.and_of(draws.grey_cameras)
         colours = torch.stack([look.colour, torch.full_like(look.colour, GREY)]).repeat_interleave(VIEWS, dim=0)
@@ -166,6 +134,10 @@ class ClipGuidance:
         return functional.cosine_similarity(embedded.view(-1, VIEWS, embedded.shape[1]).mean(dim=1), self.text[None], dim=1)
 
 
+Draws = NoDraws | ClipDraws
+"""Random draws of one iteration: tensors, always in the same order and of the same shapes."""
+Guidance = TargetGuidance | ClipGuidance
+"""A loss to descend, and what the style field knows of the prompt: its embedding `text`, shape [text_size]."""
 DISTORTION = 0.5
 PERSPECTIVE_SHARE = 0.8
 ASPECTS = (3.0 / 4.0, 4.0 / 3.0)
@@ -173,17 +145,11 @@ _CORNERS = torch.tensor([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)])
 
 
 class Warps(NamedTuple):
-    """Maps from an augmented picture to the rendered one; all views of one augmentation share one map.
+    """Maps from an augmented picture to the rendered one; all views of one augmentation share one map."""
 
-    Attributes:
-        perspective: Homographies from the augmented picture into the crop, shape [a, 3, 3].
-        half_sides: Half width and height of the crop, shape [a, 2].
-        centre: Centre of the crop, shape [a, 2].
-    """
-
-    perspective: torch.Tensor
-    half_sides: torch.Tensor
-    centre: torch.Tensor
+    perspective: torch.Tensor  # homographies from the augmented picture into the crop, shape [a, 3, 3]
+    half_sides: torch.Tensor  # half width and height of the crop, shape [a, 2]
+    centre: torch.Tensor  # centre of the crop, shape [a, 2]
 
     def to(self, device: str | torch.device) -> Warps:
         """The same maps on a device."""

@@ -84,33 +84,20 @@ class Config(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Words(NamedTuple):
-    """How a prompt becomes numbers: byte-pair encoding (Sennrich et al. 2016).
+    """How a prompt becomes numbers: byte-pair encoding (Sennrich et al. 2016)."""
 
-    Attributes:
-        vocabulary: The number of every token.
-        merges: Pairs of tokens that become one, the most frequent first.
-    """
-
-    vocabulary: dict[str, int]
-    merges: list[tuple[str, str]]
+    vocabulary: dict[str, int]  # the number of every token
+    merges: list[tuple[str, str]]  # pairs of tokens that become one, the most frequent first
 
 
 class Pretrained(NamedTuple):
-    """A folder with a whole CLIP.
+    """A folder with a whole CLIP."""
 
-    Attributes:
-        folder: Where it is.
-        config: Its sizes.
-        words: Its tokenizer.
-        tensors: The file of every tensor it needs.
-        files: Names of the files it is made of, sorted.
-    """
-
-    folder: Path
-    config: Config
-    words: Words
-    tensors: dict[str, str]
-    files: tuple[str, ...]
+    folder: Path  # where it is
+    config: Config  # its sizes
+    words: Words  # its tokenizer
+    tensors: dict[str, str]  # the file of every tensor it needs
+    files: tuple[str, ...]  # names of the files it is made of, sorted
 
 
 class _Type(msgspec.Struct):
@@ -140,27 +127,33 @@ def opened(folder: Path) -> Pretrained:
     """
     if not folder.is_dir():
         raise BadInput(f"{folder} is no folder: name the one that {CONFIG} and {WHOLE} are in")
-    _check_kind(folder)
-    config, (words, word_files), (found, weight_files) = _config(folder), _words(folder), _weights(folder)
-    _fit(folder, config, words)
-    tensors = _tensor_files(folder, config, found)
-    return Pretrained(folder, config, words, tensors, tuple(sorted({CONFIG, *word_files, *weight_files})))
-
-
-def _check_kind(folder: Path) -> None:
-    """Refuse what is no CLIP in safetensors, saying what to do with what is there."""
     pickled = sorted(path.name for pattern in PICKLED for path in folder.glob(pattern))
     if pickled and not _weight_file(folder):
-        raise BadInput(
-            f"{folder / pickled[0]} is pickled, and reading a pickled file can run programs: where you trust it, save the model as "
-            f"{WHOLE} with CLIPModel.from_pretrained(FOLDER).save_pretrained(OTHER) of transformers, and the tokenizer likewise"
-        )
-    words = [] if (folder / TOKENIZER).exists() else [name for name in (MERGES, VOCABULARY) if not (folder / name).exists()]
-    absent = [*([] if (folder / CONFIG).exists() else [CONFIG]), *words, *([] if _weight_file(folder) else [WHOLE])]
+        way = f"save the model as {WHOLE} with CLIPModel.from_pretrained(FOLDER).save_pretrained(OTHER) of transformers"
+        risk = "is pickled, and reading a pickled file can run programs"
+        raise BadInput(f"{folder / pickled[0]} {risk}: where you trust it, {way}, and the tokenizer likewise")
+    needed = [] if (folder / TOKENIZER).exists() else [MERGES, VOCABULARY]
+    absent = sorted([*(name for name in (CONFIG, *needed) if not (folder / name).exists()), *([] if _weight_file(folder) else [WHOLE])])
     if absent:
-        raise BadInput(
-            f"{folder} holds no CLIP weights: {', '.join(sorted(absent))} missing; save a CLIPModel and tokenizer there with transformers"
-        )
+        way = "save a CLIPModel and tokenizer there with transformers"
+        raise BadInput(f"{folder} holds no CLIP weights: {', '.join(absent)} missing; {way}")
+    config, (words, word_files), (found, weight_files) = _config(folder), _words(folder), _weights(folder)
+    _fit(folder, config, words)
+    tensors = {}  # the file of every tensor the model needs
+    for tensor, shape in tensors_of(config):
+        if tensor not in found:
+            raise BadInput(f"{folder} holds no whole CLIP: the tensor {tensor} is missing; save a whole CLIPModel there with transformers")
+        file, is_shape, kind = found[tensor]
+        if is_shape != shape:
+            what = f"the tensor {tensor} in {folder / file} has the shape {list(is_shape)}, but {CONFIG} asks for {list(shape)}"
+            raise BadInput(f"{what}: the two belong to different models; get the folder again")
+        if kind not in FLOATS:
+            raise BadInput(f"the tensor {tensor} in {folder / file} is of the type {kind}: save the model in float32, float16 or bfloat16")
+        tensors[tensor] = file
+    for tensor in found:
+        if tensor.startswith(("text_model.", "vision_model.")) and tensor not in tensors and not tensor.endswith(".position_ids"):
+            raise BadInput(f"{CONFIG} in {folder} knows no tensor {tensor}: the two belong to different models; get the folder again")
+    return Pretrained(folder, config, words, tensors, tuple(sorted({CONFIG, *word_files, *weight_files})))
 
 
 def _config(folder: Path) -> Config:
@@ -170,10 +163,8 @@ def _config(folder: Path) -> Config:
     config = _json(folder, CONFIG, Config)
     for tower in (config.text, config.vision):
         if tower.hidden_size % tower.num_attention_heads:
-            raise BadInput(
-                f"{folder / CONFIG} is damaged: {tower.num_attention_heads} attention heads cannot share {tower.hidden_size} channels; "
-                "get the folder again"
-            )
+            heads = f"{tower.num_attention_heads} attention heads cannot share {tower.hidden_size} channels"
+            raise BadInput(f"{folder / CONFIG} is damaged: {heads}; get the folder again")
     return config
 
 
@@ -205,10 +196,8 @@ def _fit(folder: Path, config: Config, words: Words) -> None:
     if absent:
         raise BadInput(f"the tokenizer in {folder} is not of CLIP: it knows no {absent[0]}; save the CLIPTokenizer of the model there")
     if not 0 <= min(numbers) <= max(numbers) < size:
-        raise BadInput(
-            f"the tokenizer in {folder} numbers its tokens {min(numbers)} to {max(numbers)}, but the model knows {size}: "
-            "save the CLIPTokenizer of this very model there"
-        )
+        span = f"numbers its tokens {min(numbers)} to {max(numbers)}, but the model knows {size}"
+        raise BadInput(f"the tokenizer in {folder} {span}: save the CLIPTokenizer of this very model there")
 
 
 def _weight_file(folder: Path) -> str:
@@ -241,27 +230,6 @@ def _header(folder: Path, name: str) -> dict[str, tuple[Shape, str]]:
             return {tensor: (tuple(part.get_shape()), str(part.get_dtype())) for tensor, part in slices.items()}
     except (SafetensorError, OSError, ValueError) as error:
         raise BadInput(f"{folder / name} is damaged or was cut off ({_first_line(error)}): get it again") from error
-
-
-def _tensor_files(folder: Path, config: Config, found: dict[str, tuple[str, Shape, str]]) -> dict[str, str]:
-    """The file of every tensor the model needs."""
-    needed = {}
-    for tensor, shape in tensors_of(config):
-        if tensor not in found:
-            raise BadInput(f"{folder} holds no whole CLIP: the tensor {tensor} is missing; save a whole CLIPModel there with transformers")
-        file, is_shape, kind = found[tensor]
-        if is_shape != shape:
-            raise BadInput(
-                f"the tensor {tensor} in {folder / file} has the shape {list(is_shape)}, but {CONFIG} asks for {list(shape)}: "
-                "the two belong to different models; get the folder again"
-            )
-        if kind not in FLOATS:
-            raise BadInput(f"the tensor {tensor} in {folder / file} is of the type {kind}: save the model in float32, float16 or bfloat16")
-        needed[tensor] = file
-    for tensor in found:
-        if tensor.startswith(("text_model.", "vision_model.")) and tensor not in needed and not tensor.endswith(".position_ids"):
-            raise BadInput(f"{CONFIG} in {folder} knows no tensor {tensor}: the two belong to different models; get the folder again")
-    return needed
 
 
 def tensors_of(config: Config) -> Iterator[tuple[str, Shape]]:

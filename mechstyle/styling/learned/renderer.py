@@ -36,15 +36,10 @@ LEAST_BLEND = 1e-3
 
 @dataclass(frozen=True, eq=False)
 class Rendered:
-    """Views of a part.
+    """Views of a part."""
 
-    Attributes:
-        image: RGB in [0, 1] on white, row 0 at the top, shape [views, 3, size, size].
-        coverage: Share of each pixel the part covers, shape [views, 1, size, size]; 0 or 1 without antialiasing.
-    """
-
-    image: torch.Tensor
-    coverage: torch.Tensor
+    image: torch.Tensor  # RGB in [0, 1] on white, row 0 at the top, shape [views, 3, size, size]
+    coverage: torch.Tensor  # share of each pixel the part covers, shape [views, 1, size, size]; 0 or 1 without antialiasing
 
 
 class Renderer:
@@ -62,14 +57,9 @@ class Renderer:
     """
 
     def __init__(
-        self,
-        faces: torch.Tensor,
-        size: int = 224,
-        *,
-        antialias: bool = True,
-        device: str | torch.device = "cpu",
+        self, faces: torch.Tensor, size: int = 224, *, antialias: bool = True, device: str | torch.device = "cpu",
         static: bool | None = None,
-    ) -> None:
+    ) -> None:  # fmt: skip
         if faces.ndim != 2 or faces.shape[1] != 3 or not len(faces) or faces.is_floating_point():
             raise BadInput(f"faces must be integers of shape [face_count, 3], not {faces.dtype} of shape {tuple(faces.shape)}")
         if not 1 <= size <= 4096:
@@ -146,19 +136,17 @@ class Renderer:
 
 
 def _smooth_look(light: torch.Tensor, corners: torch.Tensor, weights: torch.Tensor, view: torch.Tensor) -> torch.Tensor:
-    """RGB and coverage, shape [k, 4], of points between vertices under one light per view; as `antialias.Look` says.
+    """RGB and coverage, shape [k, 4], of points between vertices under one light per view, shape [views, 3]; see `antialias.Look`.
 
-    Args:
-        light: Shape [views, 3].
-        corners: 1 / depth, colour and normal of the vertices, shape [r, k, 7].
-        weights: In the picture, in any unit, shape [r, k].
-        view: Of each point, shape [k].
+    The corners hold 1 / depth, colour and normal of the vertices, shape [r, k, 7]; their weights in the picture, in any unit, have shape
+    [r, k].
     """
     inverse_depth, look = corners.split([1, 6], dim=2)
     # In space, not in the picture; a triangle may be so thin that rounding puts the pixel outside, and they stay between 0 and 1 even so.
     positive = (weights[..., None] * inverse_depth).clamp(min=1e-20)
     colour, normal = ((positive / positive.sum(dim=0)) * look).sum(dim=0).split(3, dim=1)
-    return _lit(colour, _steady_unit(normal, LEAST_BLEND), light.index_select(0, view))
+    brightness = AMBIENT + DIRECTED * (_steady_unit(normal, LEAST_BLEND) * light.index_select(0, view)).sum(dim=1, keepdim=True)
+    return torch.cat([(colour * brightness).clamp(0.0, 1.0), torch.ones_like(brightness)], dim=1)
 
 
 def _steady_unit(vectors: torch.Tensor, least: float | torch.Tensor) -> torch.Tensor:
@@ -171,30 +159,18 @@ def _held(values: torch.Tensor, where: torch.Tensor) -> torch.Tensor:
     return torch.where(where, values.detach(), values)
 
 
-def _lit(colours: torch.Tensor, normals: torch.Tensor, light: torch.Tensor) -> torch.Tensor:
-    """RGB and coverage, shape [k, 4], of points of these colours, unit normals and lights, all of shape [k, 3]."""
-    brightness = AMBIENT + DIRECTED * (normals * light).sum(dim=1, keepdim=True)
-    return torch.cat([(colours * brightness).clamp(0.0, 1.0), torch.ones_like(brightness)], dim=1)
-
-
 @dataclass(frozen=True)
 class Cameras:
     """Cameras on a sphere that all look at the origin.
 
     A part that stands with z up is turned by (x, y, z) → (x, z, -y); its front, azimuth 0 of `pictures.camera`, is at azimuth π/2 here,
     and azimuths run the other way round.
-
-    Attributes:
-        elevation: Angle above the plane y = 0 [rad], shape [views].
-        azimuth: Angle from +x towards +z [rad], shape [views].
-        distance: From the origin [radii of the part].
-        fov: Opening angle over the height of the picture [degrees].
     """
 
-    elevation: torch.Tensor
-    azimuth: torch.Tensor
-    distance: float = 2.0
-    fov: float = 60.0
+    elevation: torch.Tensor  # angle above the plane y = 0 [rad], shape [views]
+    azimuth: torch.Tensor  # angle from +x towards +z [rad], shape [views]
+    distance: float = 2.0  # from the origin [radii of the part]
+    fov: float = 60.0  # opening angle over the height of the picture [degrees]
 
     def __post_init__(self) -> None:
         """Refuse cameras that see nothing."""
@@ -236,13 +212,10 @@ class Cameras:
 
 
 def random_views(count: int, center: tuple[float, float], std: float, generator: torch.Generator) -> Cameras:
-    """Views around a centre, the first of them the centre itself, as in the published run of X-Mesh (Ma et al. 2023).
+    """Views around a centre (elevation, azimuth [rad]), the first the centre itself, as in the published run of X-Mesh (Ma et al. 2023).
 
-    Args:
-        count: Views, at least 1.
-        center: Elevation and azimuth [rad].
-        std: The deviation is π / std in elevation and 2π / std in azimuth; 4 in the published run.
-        generator: Of the CPU, so that views are the same on every device.
+    The deviation is π / std in elevation and 2π / std in azimuth. The generator is one of the CPU, so that views are the same on every
+    device.
     """
     if count < 1 or std <= 0:
         raise BadInput(f"{count} views with a spread of π/{std:g} cannot be drawn: use at least one view and a positive number")

@@ -14,7 +14,7 @@ The rest of this room imports torch only through modules such as this one, which
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any, Literal
+from typing import Any
 
 import torch
 from torch import nn
@@ -28,9 +28,6 @@ SIGMA = 12.0
 """Deviation of the Fourier frequencies over standardised coordinates, as in the published run."""
 REDUCTION = 8
 RANK = 30
-ACTIVE_DEVIATION = 0.02
-
-Tdam = Literal["reference", "active"]
 
 
 class FourierFeatures(nn.Module):
@@ -69,11 +66,10 @@ def scaled(linear: nn.Linear, values: torch.Tensor, norm: nn.LayerNorm | None) -
 class DynamicLinear(nn.Module):
     """A linear map whose weights the text decides: [W; b] = U(text) V, with U one linear map of the text embedding."""
 
-    def __init__(self, text_size: int, size: int, out: int, tdam: Tdam) -> None:
+    def __init__(self, text_size: int, size: int, out: int) -> None:
         super().__init__()
         self.generator = nn.Linear(text_size, (size + 1) * RANK)
-        deviation = ACTIVE_DEVIATION if tdam == "active" else 0.0
-        self.basis = nn.Parameter(deviation * torch.randn(RANK, out))
+        self.basis = nn.Parameter(0.0 * torch.randn(RANK, out))  # zero, but drawn: what is drawn after it stays the same
 
     def forward(self, values: torch.Tensor, text: torch.Tensor) -> torch.Tensor:
         """Values, shape [n, out], of values, shape [n, size], under a text embedding."""
@@ -84,10 +80,10 @@ class DynamicLinear(nn.Module):
 class Gate(nn.Module):
     """A perceptron of one narrow hidden layer with weights made from the text."""
 
-    def __init__(self, text_size: int, tdam: Tdam) -> None:
+    def __init__(self, text_size: int) -> None:
         super().__init__()
-        self.narrow = DynamicLinear(text_size, WIDTH, WIDTH // REDUCTION, tdam)
-        self.widen = DynamicLinear(text_size, WIDTH // REDUCTION, WIDTH, tdam)
+        self.narrow = DynamicLinear(text_size, WIDTH, WIDTH // REDUCTION)
+        self.widen = DynamicLinear(text_size, WIDTH // REDUCTION, WIDTH)
 
     def forward(self, values: torch.Tensor, text: torch.Tensor) -> torch.Tensor:
         """Gate values before the sigmoid, shape [n, 256]."""
@@ -97,14 +93,14 @@ class Gate(nn.Module):
 class TextGuidedAttention(nn.Module):
     """TDAM: features scaled per channel, then per point, by gates that the text generates.
 
-    With `tdam="reference"` V starts at zero as in the released code. The gradient of the narrow map is then zero for ever, so the gates
-    depend on the text alone and learn a constant per channel; `"active"` starts V at N(0, 0.02²) and lets them see the mesh.
+    V starts at zero as in the released code. The gradient of the narrow map is then zero for ever, so the gates depend on the text alone
+    and learn a constant per channel.
     """
 
-    def __init__(self, text_size: int, tdam: Tdam) -> None:
+    def __init__(self, text_size: int) -> None:
         super().__init__()
-        self.channel = Gate(text_size, tdam)
-        self.spatial = Gate(text_size, tdam)
+        self.channel = Gate(text_size)
+        self.spatial = Gate(text_size)
 
     def forward(self, values: torch.Tensor, text: torch.Tensor) -> torch.Tensor:
         """Values scaled by both gates, shape [n, 256]."""
@@ -118,23 +114,21 @@ class StyleField(nn.Module):
     Args:
         text_size: Length of the text embedding; 512 for CLIP ViT-B/32.
         seed: Decides the initial weights and B, whatever torch's global generator has been used for.
-        tdam: How the attention starts, see `TextGuidedAttention`.
-        displacement_size: 1 along the normal, as the paper's text says; 3 as in the released code.
     """
 
-    def __init__(self, text_size: int = 512, *, seed: int = 0, tdam: Tdam = "reference", displacement_size: int = 1) -> None:
+    def __init__(self, text_size: int = 512, *, seed: int = 0) -> None:
         super().__init__()
         with torch.random.fork_rng(devices=[]):
             torch.manual_seed(seed)
             self.features = FourierFeatures(SIGMA)
             sizes = [3 + 2 * FREQUENCIES, *[WIDTH] * (BASE_BLOCKS - 1)]
             self.base = nn.Sequential(*map(Block, sizes))
-            self.attention = TextGuidedAttention(text_size, tdam)
+            self.attention = TextGuidedAttention(text_size)
             self.colour = _head(3)
-            self.displacement = _head(displacement_size)
+            self.displacement = _head(1)  # along the normal, as the paper's text says; the released code has 3
 
     def forward(self, features: torch.Tensor, text: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
-        """Colour, shape [n, 3], and displacement, shape [n, displacement_size], from `features(points)` and a text embedding.
+        """Colour, shape [n, 3], and displacement, shape [n, 1], from `features(points)` and a text embedding.
 
         The features are an argument because the points of a part never move: they are worth computing once.
         """

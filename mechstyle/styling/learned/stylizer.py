@@ -9,7 +9,7 @@ import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import cache
-from typing import Generic, NamedTuple, Protocol, TypeVar
+from typing import Generic, NamedTuple, TypeVar
 
 import numpy as np
 import torch
@@ -18,7 +18,7 @@ from torch import nn
 from torch.utils import deterministic
 
 from mechstyle.records.mesh import Field
-from mechstyle.styling.learned.guidance import Draws, Guidance, NoDraws
+from mechstyle.styling.learned.guidance import ClipDraws, Draws, Guidance, NoDraws
 from mechstyle.styling.learned.style_field import standardised
 from mechstyle.styling.learned.unit_shape import Logits, Look, UnitShape
 from mechstyle.styling.style import Proposal
@@ -118,10 +118,9 @@ class NeuralStylizer:
             **{f"field/{name}": value for name, value in self._field.state_dict().items()},
             **{f"first/{name}": moment.get("exp_avg", none[name]) for name, moment in moments.items()},
             **{f"second/{name}": moment.get("exp_avg_sq", none[name]) for name, moment in moments.items()},
-            "start/colour": self._start.colour,
-            "start/displacement": self._start.displacement,
+            "start/colour": self._start.colour, "start/displacement": self._start.displacement,
             "iteration": torch.tensor([float(self._iteration)]),
-        }
+        }  # fmt: skip
         return {name: _array(value) for name, value in tensors.items()}
 
     def restore(self, state: dict[str, Field]) -> None:
@@ -191,15 +190,7 @@ WARM_UP = 3
 """Calls before recording, in which libraries choose their algorithms and set their memory aside."""
 
 
-class Tensors(Protocol):
-    """An argument whose tensors can be listed, always in the same order and of the same shapes."""
-
-    @property
-    def tensors(self) -> tuple[torch.Tensor, ...]:
-        """All of them."""
-
-
-Given = TypeVar("Given", bound=Tensors)
+Given = TypeVar("Given", bound=Surface | NoDraws | ClipDraws)
 Found = TypeVar("Found")
 
 

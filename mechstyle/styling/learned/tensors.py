@@ -27,17 +27,10 @@ _INDEX = 2**31 - 1
 
 
 def nearest_faces(pixels: torch.Tensor, faces: torch.Tensor, height: int, width: int, *, cull: bool = True) -> torch.Tensor:
-    """The z-buffer of several views of one surface; `face_of` reads it.
+    """The z-buffer of several views of one surface, shape [views, height, width], int64; `face_of` reads it.
 
-    Args:
-        pixels: Column and row, counted from the upper left corner, and 1 / depth of every point, shape [views, n, 3], float.
-        faces: Shape [face_count, 3], int32, contiguous.
-        height: Rows.
-        width: Columns.
-        cull: Whether to skip faces that turn their back.
-
-    Returns:
-        Depth and face packed into one number, smaller is nearer, shape [views, height, width], int64.
+    The pixels are column and row, from the upper left corner, and 1 / depth of every point, shape [views, n, 3]; faces are int32,
+    contiguous. With `cull`, faces that turn their back are skipped. Depth and face are packed into one number, smaller is nearer.
     """
     points, nearness = _snapped(pixels)
     buffer: torch.Tensor = _draw_op(points, [len(pixels), height, width], nearness, faces, cull)
@@ -52,14 +45,8 @@ def face_of(buffer: torch.Tensor) -> torch.Tensor:
 def parting_edges(pixels: torch.Tensor, edges: torch.Tensor, buffer: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
     """The outline's edges that pass between the centres of two neighbouring pixels, steep ones on rows and flat ones on columns.
 
-    Args:
-        pixels: As for `nearest_faces`.
-        edges: `edges_of` the faces, int32, contiguous.
-        buffer: The z-buffer of the same points.
-
-    Returns:
-        Edge between each pixel and its neighbour to the right ([0]) and below ([1]), -1 for none, and whether that neighbour is the one
-        inside the outline, both shape [2, views, height, width], int64 and bool.
+    Gives the edge between each pixel and its neighbour to the right ([0]) and below ([1]), -1 for none, and whether that neighbour is the
+    one inside the outline, both shape [2, views, height, width]. The edges are `edges_of` the faces, the buffer is that of the same points.
     """
     points, nearness = _snapped(pixels)
     parting = _part_op(buffer, points, nearness, edges)
@@ -139,13 +126,7 @@ def taken(values: torch.Tensor, index: torch.Tensor) -> torch.Tensor:
 
 
 def blended(values: torch.Tensor, index: torch.Tensor, weights: torch.Tensor) -> torch.Tensor:
-    """Weighted sums of rows of values, shape [n, k]: shape [m, k].
-
-    Args:
-        values: Gradients reach these alone.
-        index: The rows of each sum, shape [m, r].
-        weights: Their weights from 0 to 1, of the type of the values, shape [m, r].
-    """
+    """Sums of rows of values, shape [n, k], named by an index, times weights from 0 to 1, both shape [m, r]: shape [m, k]."""
     if not _unordered(values):
         return functional.embedding_bag(index, values, per_sample_weights=weights, mode="sum")
     sums: torch.Tensor = _Blended.apply(values, index, weights)
@@ -153,14 +134,10 @@ def blended(values: torch.Tensor, index: torch.Tensor, weights: torch.Tensor) ->
 
 
 def placed(rows: torch.Tensor, place: torch.Tensor, row: torch.Tensor) -> torch.Tensor:
-    """Rows, shape [m, k], each at a place of its own among n, with zeros elsewhere: shape [n, k].
+    """Rows, shape [m, k], each at a place of its own among n, with zeros elsewhere: shape [n, k]; gradients reach the rows alone.
 
-    Two indices say the same both ways, so that gradients are looked up as values are; from one alone torch would add them up.
-
-    Args:
-        rows: Gradients reach these alone.
-        place: Of every row, shape [m]; what stands there for a row that is at no place is of no account.
-        row: At every place, -1 for none, shape [n].
+    Two indices, the place of every row and the row at every place (-1 for none), say the same both ways, so that gradients are looked up as
+    values are; from one alone torch would add them up.
     """
     found: torch.Tensor = _Placed.apply(rows, place, row)
     return found

@@ -18,17 +18,11 @@ _Y_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])  # row ve
 
 
 class Look(NamedTuple):
-    """A styled part as tensors.
+    """A styled part as tensors."""
 
-    Attributes:
-        displacement: Along the original normals [mm], shape [n].
-        colour: Display RGB in [0, 1], shape [n, 3].
-        positions: Centred, of radius 1, y up, shape [n, 3].
-    """
-
-    displacement: torch.Tensor
-    colour: torch.Tensor
-    positions: torch.Tensor
+    displacement: torch.Tensor  # along the original normals [mm], shape [n]
+    colour: torch.Tensor  # display RGB in [0, 1], shape [n, 3]
+    positions: torch.Tensor  # centred, of radius 1, y up, shape [n, 3]
 
 
 class Logits(NamedTuple):
@@ -40,23 +34,14 @@ class Logits(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class UnitShape:
-    """The unstylized part, all tensors float32 on one device.
+    """The unstylized part, all tensors float32 on one device."""
 
-    Attributes:
-        positions: Vertices about their mean, the farthest at distance 1, y up, shape [n, 3].
-        normals: Unit normals in the same axes, shape [n, 3].
-        radius: What 1 is in the part [mm].
-        inward: Largest displacement into the material [mm], at least 0, shape [n].
-        outward: The same outwards.
-        mask: Factor on the displacement from 0 to 1, shape [n]; where it is 0 there is no displacement and no gradient.
-    """
-
-    positions: torch.Tensor
-    normals: torch.Tensor
-    radius: float
-    inward: torch.Tensor
-    outward: torch.Tensor
-    mask: torch.Tensor
+    positions: torch.Tensor  # vertices about their mean, the farthest at distance 1, y up, shape [n, 3]
+    normals: torch.Tensor  # unit normals in the same axes, shape [n, 3]
+    radius: float  # what 1 is in the part [mm]
+    inward: torch.Tensor  # largest displacement into the material [mm], at least 0, shape [n]
+    outward: torch.Tensor  # the same outwards
+    mask: torch.Tensor  # factor on the displacement from 0 to 1, shape [n]; where it is 0 there is no displacement and no gradient
 
     @classmethod
     def of(cls, part: SurfaceMesh, inward: ArrayLike, outward: ArrayLike, mask: ArrayLike, device: str = "cpu") -> UnitShape:

@@ -22,11 +22,9 @@ from mechstyle.styling.learned.pretrained import CONFIG, MERGES, VOCABULARY, WHO
 
 DEFAULT = "ViT-B-32"
 KNOWN = {
-    "ViT-B-32": "openai/clip-vit-base-patch32",
-    "ViT-B-16": "openai/clip-vit-base-patch16",
-    "ViT-L-14": "openai/clip-vit-large-patch14",
+    "ViT-B-32": "openai/clip-vit-base-patch32", "ViT-B-16": "openai/clip-vit-base-patch16", "ViT-L-14": "openai/clip-vit-large-patch14",
     "ViT-L-14-336": "openai/clip-vit-large-patch14-336",
-}
+}  # fmt: skip
 """Names and where they are on the Hugging Face hub."""
 FILES = (CONFIG, MERGES, WHOLE, VOCABULARY)
 """What is fetched of each."""
@@ -41,15 +39,10 @@ Download = Callable[[str, str, Path], str]
 
 
 class Weights(NamedTuple):
-    """A folder of verified weights.
+    """A folder of verified weights."""
 
-    Attributes:
-        folder: Where it is.
-        identity: `NAME@DIGEST`, the same on every machine that has the same files; this is what a recipe records.
-    """
-
-    folder: Path
-    identity: str
+    folder: Path  # where it is
+    identity: str  # `NAME@DIGEST`, the same on every machine that has the same files; this is what a recipe records
 
     @property
     def digest(self) -> str:
@@ -151,16 +144,7 @@ def stored(store: Path) -> list[Path]:
 
 
 def add(folder: Path, store: Path, name: str = "") -> Weights:
-    """Copy weights into the store, so that they are found by name from then on.
-
-    Args:
-        folder: As transformers saves them.
-        store: Folder of fetched and added weights.
-        name: What to call them; by default as the folder is called.
-
-    Raises:
-        BadInput: If the folder holds no whole CLIP, or others have that name.
-    """
+    """Copy weights into the store, so that they are found by name; BadInput if they are no whole CLIP, or others have that name."""
     found = verified(folder)
     name = file_stem(name or folder.resolve().name)
     there = store / name

@@ -30,10 +30,9 @@ def crystal(canvas: Canvas) -> Relief:
 VEIN = 4.0
 # Distance of the sheets [mm], direction across them, how far they bend [sheets] and over which length [mm], width of the veins.
 SHEETS = (
-    (52.0, (0.55, 0.35, 0.76), 0.85, 60.0, 1.25 * VEIN),
-    (34.0, (-0.70, 0.40, 0.59), 0.95, 48.0, VEIN),
+    (52.0, (0.55, 0.35, 0.76), 0.85, 60.0, 1.25 * VEIN), (34.0, (-0.70, 0.40, 0.59), 0.95, 48.0, VEIN),
     (26.0, (0.30, -0.75, 0.59), 0.95, 42.0, 0.75 * VEIN),
-)
+)  # fmt: skip
 
 
 @style("polished white marble with grey veins that cross and fade", feature_mm=24.0)

@@ -13,6 +13,7 @@ from mechstyle.fea.discretisation import discretise
 from mechstyle.fea.elasticity import LAWS, law_named
 from mechstyle.fea.elements import ELEMENTS
 from mechstyle.fea.explicit import QUANTITIES, RECORD_EVERY
+from support import hyperelasticity
 from support.schemes import NORMALS, scheme_of, starts_of
 
 each_law = pytest.mark.parametrize("name", LAWS)
@@ -42,16 +43,16 @@ def gradients(body, u, v=None, damping=None, at=elasticity.displacement_gradient
 
 
 def reference_forces(body, law, u, v=None, damping=None):
-    """`elasticity.internal_forces` in the order of computation."""
+    """`hyperelasticity.internal_forces` in the order of computation."""
     forces = np.empty_like(u)
-    forces[body.place] = elasticity.forces_of(body.mesh, law, gradients(body, u, v, damping))
+    forces[body.place] = hyperelasticity.forces_of(body.mesh, law, gradients(body, u, v, damping))
     return forces
 
 
 def reference_stress(body, law, u, v=None, damping=None, at=elasticity.displacement_gradients, across=(0.0, 0.0, 0.0)):
     """Equivalent stress at the Gauss points, or the corners, in the order of computation [MPa]."""
     H = gradients(body, u, v, damping, at)
-    return elasticity.equivalent_stress(elasticity.cauchy_stress(H, law.first_piola(H)), across)[body.tet_order]
+    return elasticity.equivalent_stress(hyperelasticity.cauchy_stress(H, hyperelasticity.first_piola(law, H)), across)[body.tet_order]
 
 
 def reference_drop(discretisation, scheme, normal, heights):
@@ -77,7 +78,8 @@ def reference_drop(discretisation, scheme, normal, heights):
         if (step + 1) % scheme.stride == 0:
             kinetic = float((0.5 * masses * v**2).sum())
             power = -float((reference_forces(discretisation, scheme.law, u) * v).sum())
-            strain = elasticity.strain_energy(discretisation.mesh, scheme.law, u[discretisation.place]) - 0.5 * scheme.time_step * power
+            strain = hyperelasticity.strain_energy(discretisation.mesh, scheme.law, u[discretisation.place])
+            strain -= 0.5 * scheme.time_step * power
             highest = reference_stress(discretisation, scheme.law, u, across=scheme.across).max()
             shift, momentum = (masses * u).sum(axis=0), (masses * v).sum(axis=0)
             arms = discretisation.positions - (masses * discretisation.positions).sum(axis=0) / masses.sum()

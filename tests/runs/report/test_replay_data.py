@@ -11,7 +11,7 @@ from mechstyle.errors import BadInput
 from mechstyle.loop.store import Lane, Store
 from mechstyle.pictures import scene
 from mechstyle.records import sentences
-from mechstyle.runs.report.replay_data import LEVELS, NO_NUMBER, Channel, _quantised, replay_data
+from mechstyle.runs.report.replay_data import LEVELS, NO_NUMBER, Channel, channel_of, replay_data
 from mechstyle.runs.run import Run
 
 
@@ -79,7 +79,7 @@ def test_a_frame_counts_what_the_report_counts_and_not_what_quantising_made_of_i
     last = run.checkpoint()
     mask = np.ones_like(last.mask)
     mask[:8], mask[8:20] = 0.0, 0.5
-    digest = run.store.put_checkpoint(replace(last, mask=mask))
+    digest = run.store.objects.put_record(replace(last, mask=mask))
     run.store.move("main", replace_fields(run.store.lane(), head=digest))
     assert replay_data(run).header["frames"][-1]["restrained"] == 8 / 64
 
@@ -115,8 +115,9 @@ def test_the_light_is_that_of_the_figures(lane):
 
 
 def test_a_value_that_is_no_number_stays_apart_from_those_that_are():
-    raw = _quantised(np.array([0.0, np.nan, 1.0], np.float32), 0.0, 1.0 / LEVELS)
-    assert raw.tolist() == [0, NO_NUMBER, LEVELS]
+    channel = channel_of("demand", [np.array([0.0, np.nan, 1.0], np.float32)])
+    assert (channel.low, channel.step) == (0.0, 1.0 / LEVELS)
+    assert channel.planes[0].tolist() == [0, NO_NUMBER, LEVELS]
 
 
 def test_differences_wrap_around_instead_of_overflowing():

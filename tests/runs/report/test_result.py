@@ -5,7 +5,7 @@ import pytest
 
 from mechstyle.errors import BadInput
 from mechstyle.loop.store import Lane
-from mechstyle.runs.report.result import read_result, result_element, result_of
+from mechstyle.runs.report.result import read_result, result_element
 from mechstyle.runs.run import Run
 
 
@@ -17,8 +17,12 @@ def handed_in(folder, *elements):
 
 def test_what_is_read_is_what_the_run_came_to(lane, tmp_path):
     found = read_result(handed_in(tmp_path, result_element(lane, lane.verdict)))
-    assert found == result_of(lane, lane.verdict)
-    assert (found.outcome, found.kept, found.recipe) == (lane.verdict.outcome, lane.summary.kept, lane.recipe.digest)
+    verdict, recipe = lane.verdict, lane.recipe
+    assert (found.part, found.prompt, found.material) == (lane.record.name, recipe.style.prompt, recipe.test.material.label)
+    assert (found.outcome, found.sure, found.fall, found.recipe) == (verdict.outcome, verdict.sure, recipe.test.height, recipe.digest)
+    assert (found.survives, found.kept) == (verdict.deciding.height, lane.summary.kept)
+    assert (found.simulations, found.vertices) == (len(lane.summary.simulations), len(lane.part.surface.vertices))
+    assert found.tests == tuple(row.test for row in verdict.rows if row.decides)
 
 
 def test_a_lane_that_is_not_finished_has_none(sheet):
@@ -39,7 +43,7 @@ def test_a_page_with_no_result_or_with_two_is_no_report(lane, tmp_path, count):
     [{"outcome": "PASSED"}, {"kept": 2.0}, {"kept": -1.0}, {"fall": 0.0}, {"simulations": 0}, {"vertices": 3}, {"part": "x" * 501}],
 )
 def test_a_result_that_no_run_comes_to_is_refused(lane, tmp_path, forged):
-    result = msgspec.structs.replace(result_of(lane, lane.verdict), **forged)
+    result = msgspec.structs.replace(read_result(handed_in(tmp_path, result_element(lane, lane.verdict))), **forged)
     held = msgspec.json.encode(result).decode()
     with pytest.raises(BadInput, match="that no run comes to"):
         read_result(handed_in(tmp_path, f'<script type="application/json" id="result">{held}</script>'))

@@ -4,8 +4,7 @@ import pytest
 
 from mechstyle.errors import BadInput
 from mechstyle.loop.store import Lane
-from mechstyle.runs.folders import PartRecord
-from mechstyle.runs.report.run_protocol import LaneOfRun, Part, begun
+from mechstyle.runs.report.run_protocol import LaneOfRun, begun
 from mechstyle.runs.run import Run
 
 
@@ -16,7 +15,6 @@ def members(protocol) -> set[str]:
 def test_a_run_has_whatever_a_report_asks_for(lane):
     assert {"store", "recipe", "summary", "show"} <= members(LaneOfRun)
     assert all(hasattr(lane, name) for name in members(LaneOfRun))
-    assert all(hasattr(PartRecord, name) for name in members(Part))
 
 
 def test_a_lane_without_a_checkpoint_is_refused_and_one_with_some_has_a_row_for_each(sheet):

@@ -52,15 +52,13 @@ def labels(studio: Studio) -> set[str]:
     return found - {""}
 
 
-def entry(label: str, table: set[str]) -> bool:
-    """Whether a label is in a table, with what it is made for in the place of `{}`."""
-    return any(re.fullmatch(re.escape(one).replace(r"\{\}", ".*") + "(: .*, iteration \\d+)?", label) for one in table)
+ENTRY = re.compile("(?:" + "|".join(re.escape(one).replace(r"\{\}", ".*") for one in GERMAN) + r")(: .*, iteration \d+)?")
+"""A label of the table, with what it is made for in the place of `{}`."""
 
 
 def test_every_label_is_in_the_table(done):
-    table = {*GERMAN}
     missing = {label for studio in (Studio("gallery:wall_hook"), Studio(done)) for label in labels(studio) if not plain(label)}
-    assert {label for label in missing if not entry(label, table)} == set()
+    assert {label for label in missing if not ENTRY.fullmatch(label)} == set()
 
 
 def test_a_german_studio_says_nothing_in_english(done):

@@ -16,9 +16,9 @@ from scipy.optimize import brentq
 
 from mechstyle.fea.stressed_volume import LOADED, THIN
 from mechstyle.records.mesh import Bools, Floats, TetMesh
-from mechstyle.simulation.validation.cases import Result, bounded, compared
-from mechstyle.simulation.validation.meshes import THICKNESS, WIDTH, bar_with_fillets, bar_with_hole, box, bracket, carved, round_bar
-from mechstyle.simulation.validation.reading import PLA, Body
+from validation.cases import Result, bounded, compared
+from validation.meshes import THICKNESS, WIDTH, bar_with_fillets, bar_with_hole, box, bracket, carved, round_bar
+from validation.reading import PLA, Body
 
 NOMINAL = 10.0
 """Stress away from the detail [MPa]."""

@@ -2,8 +2,8 @@
 
 import pytest
 
-from mechstyle.simulation.validation import details
 from support.cases import held, quick
+from validation import details
 
 
 @pytest.mark.parametrize("name", quick(details))

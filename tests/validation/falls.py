@@ -24,9 +24,9 @@ from mechstyle.fea.stressed_volume import DROPPED
 from mechstyle.records import Landing
 from mechstyle.records.mesh import Floats, TetMesh
 from mechstyle.simulation.simulator import exponent_of
-from mechstyle.simulation.validation.cases import Result, bounded, compared
-from mechstyle.simulation.validation.meshes import box, bracket, cup, open_ring
-from mechstyle.simulation.validation.reading import PLA, Body, period_of_body
+from validation.cases import Result, bounded, compared
+from validation.meshes import box, bracket, cup, open_ring
+from validation.reading import PLA, Body, period_of_body
 
 TOUCH, WORST = 0.03, 0.05
 BAR = box((30, 5, 1), (120.0, 20.0, 4.0))

@@ -6,8 +6,8 @@ import pytest
 from mechstyle.errors import MissingPiece
 from mechstyle.fea.elements import QUADRATIC, with_nodes
 from mechstyle.records.material import LIBRARY
-from mechstyle.simulation.validation import calculix
-from mechstyle.simulation.validation.meshes import box
+from validation import calculix
+from validation.meshes import box
 
 TABLE = """
  displacements (vx,vy,vz) for set NALL and time  0.1000000E-04

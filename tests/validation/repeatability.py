@@ -21,10 +21,10 @@ from mechstyle.geometry.remeshing import fill
 from mechstyle.records import Landing, Recipe, Simulation, Verdict, judge
 from mechstyle.records.mesh import Floats, SurfaceMesh, TetMesh
 from mechstyle.simulation.part import prepare
-from mechstyle.simulation.validation import falls
-from mechstyle.simulation.validation.cases import Result, bounded, compared
-from mechstyle.simulation.validation.meshes import ball, box, bracket, cup, refined, roller
-from mechstyle.simulation.validation.reading import PLA, Body, Styled, period_of_body, styled_cup
+from validation import falls
+from validation.cases import Result, bounded, compared
+from validation.meshes import ball, box, bracket, cup, refined, roller
+from validation.reading import PLA, Body, Styled, period_of_body, styled_cup
 
 TETS = 6_000
 VERTICES = (2400, 2700, 3000, 3300, 3600)

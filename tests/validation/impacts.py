@@ -7,6 +7,7 @@ import platform
 import subprocess
 import sys
 from collections.abc import Iterator
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -23,18 +24,22 @@ from mechstyle.fea.orientations import directions
 from mechstyle.fea.snapshots import snapshots
 from mechstyle.fea.stressed_volume import DROPPED
 from mechstyle.records.mesh import Floats, TetMesh
-from mechstyle.simulation.validation import calculix
-from mechstyle.simulation.validation.cases import Result, bounded, compared
-from mechstyle.simulation.validation.meshes import ball, box, bracket
-from mechstyle.simulation.validation.reading import PLA, UPRIGHT, Body, Reading
+from support import hyperelasticity
+from validation import calculix
+from validation.cases import Result, bounded, compared
+from validation.meshes import ball, box, bracket
+from validation.reading import PLA, UPRIGHT, Body, Reading
 
 SAME = 1e-3
+FOLDER = str(Path(__file__).parents[1])
+"""Where this package is found."""
 ELSEWHERE = """
 import sys
 from mechstyle._warp import wp
 own = wp.config.cpu_compiler_flags or "-march=native"  # None means the same
 wp.config.cpu_compiler_flags = own.replace("-march=native", "-target-cpu x86-64")
-from mechstyle.simulation.validation.impacts import _plate
+sys.path.insert(0, sys.argv[2])
+from validation.impacts import _plate
 sys.stdout.buffer.write(_plate(sys.argv[1]).tobytes())
 """
 """The plate in a process whose kernels are compiled for another processor."""
@@ -59,7 +64,7 @@ def bar_calculix() -> Iterator[Result]:
     theirs = calculix.impact(mesh, PLA, mesh.nodes[:, 2] < 1e-9, test.speed, window, 1e-4)
     u = snapshots(mesh.tets, PLA, test, frames=4).displacement[-1].astype(np.float64)
     H = elasticity.displacement_gradients(mesh, u)
-    ours = elasticity.von_mises(elasticity.cauchy_stress(H, law_named(test.law, PLA).first_piola(H)))
+    ours = elasticity.von_mises(hyperelasticity.cauchy_stress(H, hyperelasticity.first_piola(law_named(test.law, PLA), H)))
     reference = elasticity.von_mises(theirs.stress)
     note = "CalculiX *DYNAMIC, EXPLICIT, 3840 C3D4, after 0.04 ms"
     yield bounded("bar_calculix: von Mises, L2", _distance(ours, reference), 0.015, note)
@@ -113,7 +118,7 @@ def instructions() -> Iterator[Result]:
         raise MissingPiece(f"the oldest instructions are known for x86-64, not for {platform.machine()}, so they were not compared")
     for name in ELEMENTS:
         here = _plate(name)
-        answer = subprocess.run([sys.executable, "-c", ELSEWHERE, name], check=True, stdout=subprocess.PIPE).stdout  # noqa: S603 — our own words
+        answer = subprocess.run([sys.executable, "-c", ELSEWHERE, name, FOLDER], check=True, stdout=subprocess.PIPE).stdout
         there = np.frombuffer(answer, here.dtype)
         largest, note = float(here.max()), "x86-64 without extensions against this processor"
         yield compared(f"instructions: {name}, largest von Mises", largest, float(there.max()), 1e-5, "MPa", note)
@@ -147,8 +152,8 @@ def _in_double_precision(tets: TetMesh, test: DropTest, element: str, normal: Fl
         H, rate = (elasticity.displacement_gradients(body.mesh, field) for field in (u, v))
         H = H + damping[:, None, None, None] * rate
         if step % RECORD_EVERY == 0:
-            peak = np.maximum(peak, elasticity.von_mises(elasticity.cauchy_stress(H, scheme.law.first_piola(H))))
-        v = v + scheme.time_step * (elasticity.forces_of(body.mesh, scheme.law, H) / masses - scheme.gravity * normal)
+            peak = np.maximum(peak, elasticity.von_mises(hyperelasticity.cauchy_stress(H, hyperelasticity.first_piola(scheme.law, H))))
+        v = v + scheme.time_step * (hyperelasticity.forces_of(body.mesh, scheme.law, H) / masses - scheme.gravity * normal)
         gap = heights + (u + scheme.time_step * v) @ normal
         v = v + np.maximum(-gap / scheme.time_step, 0.0)[:, None] * normal
         u = u + scheme.time_step * v
@@ -214,7 +219,7 @@ def _theirs(mesh: ElementMesh, answer: calculix.Landing, test: DropTest) -> Land
     for u in answer.displacement:
         H, at_corners = elasticity.displacement_gradients(mesh, u), elasticity.corner_gradients(mesh, u)
         points, corners = (
-            np.maximum(before, elasticity.von_mises(elasticity.cauchy_stress(now, law.first_piola(now))))
+            np.maximum(before, elasticity.von_mises(hyperelasticity.cauchy_stress(now, hyperelasticity.first_piola(law, now))))
             for before, now in ((points, H), (corners, at_corners))
         )
     time, force = np.append(0.0, answer.time), np.append(0.0, answer.force)

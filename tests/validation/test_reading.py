@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from mechstyle.simulation.validation.meshes import box
-from mechstyle.simulation.validation.reading import PLA, Body, period_of_body, styled_cup
+from validation.meshes import box
+from validation.reading import PLA, Body, period_of_body, styled_cup
 
 BAR = (60.0, 6.0, 6.0)
 

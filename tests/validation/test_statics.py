@@ -2,8 +2,8 @@
 
 import pytest
 
-from mechstyle.simulation.validation import statics
 from support.cases import held, quick
+from validation import statics
 
 
 @pytest.mark.parametrize("name", quick(statics))

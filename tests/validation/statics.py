@@ -15,9 +15,10 @@ from mechstyle.fea.elasticity import LAWS, law_named
 from mechstyle.fea.elements import ELEMENTS, QUADRATIC, ElementMesh, with_nodes
 from mechstyle.records.material import LIBRARY, Material
 from mechstyle.records.mesh import Floats, TetMesh
-from mechstyle.simulation.validation import calculix
-from mechstyle.simulation.validation.cases import Result, bounded, compared
-from mechstyle.simulation.validation.meshes import box
+from support import hyperelasticity
+from validation import calculix
+from validation.cases import Result, bounded, compared
+from validation.meshes import box
 
 PLA = LIBRARY["PLA"]
 EXACT = 1e-6
@@ -34,7 +35,7 @@ def patch() -> Iterator[Result]:
         inside = np.all((mesh.nodes > 1e-9) & (mesh.nodes < np.array([12.0, 10.0, 16.0]) - 1e-9), axis=1)
         for law in LAWS:
             found = elasticity.displacement_gradients(mesh, u)
-            forces = elasticity.internal_forces(mesh, law_named(law, PLA), u)
+            forces = hyperelasticity.internal_forces(mesh, law_named(law, PLA), u)
             error = max(np.abs(found - gradient).max() / np.abs(gradient).max(), np.abs(forces[inside]).max() / np.abs(forces).max())
             yield bounded(f"patch: {name}, {law}", float(error), EXACT, "affine displacement of a shaken block")
 
@@ -47,8 +48,8 @@ def rigid() -> Iterator[Result]:
         moved = mesh.nodes @ turn.T - mesh.nodes + [3.0, -2.0, 5.0]
         for law_name in LAWS:
             law = law_named(law_name, PLA)
-            scale = np.abs(elasticity.internal_forces(mesh, law, 0.01 * mesh.nodes)).max()
-            force = np.abs(elasticity.internal_forces(mesh, law, moved)).max()
+            scale = np.abs(hyperelasticity.internal_forces(mesh, law, 0.01 * mesh.nodes)).max()
+            force = np.abs(hyperelasticity.internal_forces(mesh, law, moved)).max()
             yield bounded(f"rigid: {name}, {law_name}", float(force / scale), EXACT, "rotation of 79° and a shift of 6 mm")
 
 
@@ -60,8 +61,8 @@ def frame() -> Iterator[Result]:
         u = 0.05 * np.random.default_rng(0).standard_normal(mesh.nodes.shape)
         for law_name in LAWS:
             law = law_named(law_name, PLA)
-            straight = elasticity.internal_forces(mesh, law, u)
-            turned = elasticity.internal_forces(mesh, law, (mesh.nodes + u) @ turn.T - mesh.nodes)
+            straight = hyperelasticity.internal_forces(mesh, law, u)
+            turned = hyperelasticity.internal_forces(mesh, law, (mesh.nodes + u) @ turn.T - mesh.nodes)
             error = np.abs(turned - straight @ turn.T).max() / np.abs(straight).max()
             yield bounded(f"frame: {name}, {law_name}", float(error), EXACT, "a deformed block, turned by 79°")
 

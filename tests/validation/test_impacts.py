@@ -2,8 +2,8 @@
 
 import pytest
 
-from mechstyle.simulation.validation import impacts
 from support.cases import held, quick
+from validation import impacts
 
 
 @pytest.mark.parametrize("name", quick(impacts))

@@ -20,10 +20,10 @@ from mechstyle.records.load_cases import Load, LoadCase, Patch, Support
 from mechstyle.records.material import LIBRARY, Material
 from mechstyle.records.mesh import SurfaceMesh, TetMesh
 from mechstyle.simulation.part import Workpiece
-from mechstyle.simulation.validation.meshes import square_cup
 from mechstyle.styling.dimensions import Dimensions
 from mechstyle.styling.drawn import target
 from mechstyle.styling.prompt import Wish
+from validation.meshes import square_cup
 
 PLA = LIBRARY["PLA"]
 UPRIGHT = ((0.0, 0.0, 1.0),)

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import platform
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from functools import partial
 from pathlib import Path
 
 from mechstyle.fea.explicit import cores
-from mechstyle.simulation.validation import details, falls, impacts, repeatability, statics
-from mechstyle.simulation.validation.cases import Case, Result
+from validation import details, falls, impacts, repeatability, statics
+from validation.cases import Case, Result
 
 EDGE = (
     "**Known limit.** Tilted by 3° this cup touches with a single corner of its rim. One element through the wall spreads that over more "
@@ -76,12 +76,6 @@ CASES = {
 """In their order on the page."""
 
 
-def run(cases: Iterable[Case]) -> Iterator[tuple[Case, list[Result]]]:
-    """The cases one after another with their figures."""
-    for case in cases:
-        yield case, case.results()
-
-
 def write_page(path: Path, found: Iterable[tuple[Case, list[Result]]]) -> Path:
     """The figures as a Markdown page that says what they were measured on."""
     found = list(found)
@@ -89,7 +83,7 @@ def write_page(path: Path, found: Iterable[tuple[Case, list[Result]]]) -> Path:
         "# Validation",
         "",
         "The simulation compared with theory, with CalculiX, with finer meshes and with other arithmetic.",
-        f"Written by `mechstyle validate --page` on {machine()}.",
+        f"Written by `python benchmarks/validate.py --page` on {machine()}.",
         "",
         "| case | figures | passed | largest error over its limit |",
         "|---|---|---|---|",
@@ -99,7 +93,7 @@ def write_page(path: Path, found: Iterable[tuple[Case, list[Result]]]) -> Path:
     ]
     for case, results in found:
         fault = [case.fault, ""] if case.fault else []
-        lines += ["", f"## {case.title}", "", f"`mechstyle validate --case {case.name}`", "", *fault, *_table(results)]
+        lines += ["", f"## {case.title}", "", f"`python benchmarks/validate.py --case {case.name}`", "", *fault, *_table(results)]
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
     return path

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from mechstyle.simulation.validation.meshes import ball, box, bracket, carved, cup, open_ring, refined, roller, round_bar, square_cup
+from validation.meshes import ball, box, bracket, carved, cup, open_ring, refined, roller, round_bar, square_cup
 
 
 def boundary_area(tets):

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from mechstyle.errors import BadInput, MissingPiece
-from mechstyle.simulation.validation.cases import Case, bounded, compared, named
+from validation.cases import Case, bounded, compared, named
 
 
 @pytest.mark.parametrize(("measured", "passed"), [(1.04, True), (0.96, True), (1.06, False), (math.nan, False), (math.inf, False)])

@@ -1,15 +1,19 @@
 """The validation cases as a user runs them, by name; their figures are held by the tests of the modules they are in."""
 
+import importlib.util
 import json
 import math
 import re
 
-from typer.testing import CliRunner
+import pytest
 
-from mechstyle.cli.app import app
-from mechstyle.simulation.validation import calculix, suite
-from mechstyle.simulation.validation.cases import Case, bounded, compared
 from support import ROOT
+from validation import calculix, suite
+from validation.cases import Case, bounded, compared
+
+_SPEC = importlib.util.spec_from_file_location("validate", ROOT / "benchmarks/validate.py")
+RUNNER = importlib.util.module_from_spec(_SPEC)
+_SPEC.loader.exec_module(RUNNER)
 
 
 def test_without_calculix_its_cases_say_so(monkeypatch):
@@ -19,10 +23,9 @@ def test_without_calculix_its_cases_say_so(monkeypatch):
     assert "calculix-ccx" in result.note
 
 
-def test_the_command_line_gives_figures_a_page_and_a_picture(tmp_path):
-    outcome = CliRunner().invoke(app, ["validate", "--case", "patch", "--case", "devices", "--json", "--out", str(tmp_path)])
-    assert outcome.exit_code == 0, outcome.output
-    cases = json.loads(outcome.stdout)["cases"]
+def test_the_runner_gives_figures_a_page_and_a_picture(tmp_path):
+    assert RUNNER.main(["--case", "patch", "--case", "devices", "--json", str(tmp_path / "figures"), "--page", str(tmp_path)]) == 0
+    cases = json.loads((tmp_path / "figures").read_text())
     assert {"case", "measured", "reference", "error", "limit", "passed"} <= set(cases[0])
     assert cases[0]["passed"] is True
     page = (tmp_path / "validation.md").read_text()
@@ -31,27 +34,27 @@ def test_the_command_line_gives_figures_a_page_and_a_picture(tmp_path):
     assert (tmp_path / "validation.png").stat().st_size > 5_000
 
 
-def test_a_failing_figure_is_named_and_the_exit_is_not_zero(monkeypatch):
+def test_a_failing_figure_is_named_and_the_exit_is_not_zero(monkeypatch, capsys):
     def wrong():
         yield compared("wrong: mass", 2.0, 1.0, 0.01)
 
     monkeypatch.setitem(suite.CASES, "wrong", Case("wrong", "Wrong on purpose", wrong))
-    outcome = CliRunner().invoke(app, ["validate", "--case", "wrong"])
-    assert outcome.exit_code == 1
-    assert "wrong: mass" in outcome.output
+    assert RUNNER.main(["--case", "wrong"]) == 1
+    assert "wrong: mass" in capsys.readouterr().err
 
 
-def test_an_unknown_case_is_refused_with_the_nearest():
-    outcome = CliRunner().invoke(app, ["validate", "--case", "pach"])
-    assert outcome.exit_code == 2
-    assert "did you mean 'patch'" in outcome.output
+def test_an_unknown_case_is_refused_with_the_nearest(capsys):
+    with pytest.raises(SystemExit) as left:
+        RUNNER.main(["--case", "pach"])
+    assert left.value.code == 2
+    assert "did you mean 'patch'" in capsys.readouterr().err
 
 
 def test_the_page_in_docs_has_every_case():
     page = ROOT.joinpath("docs/validation.md").read_text()
-    assert re.findall(r"`mechstyle validate --case (\w+)`", page) == list(suite.CASES)
+    assert re.findall(r"`python benchmarks/validate\.py --case (\w+)`", page) == list(suite.CASES)
     assert re.findall(r"^\| \[(.+?)\]\(#", page, re.MULTILINE) == [case.title for case in suite.CASES.values()]
-    sections = dict(re.findall(r"`mechstyle validate --case (\w+)`\n(.*?)(?=\n## |\Z)", page, flags=re.DOTALL))
+    sections = dict(re.findall(r"`python benchmarks/validate\.py --case (\w+)`\n(.*?)(?=\n## |\Z)", page, flags=re.DOTALL))
     for name, section in sections.items():
         fault = suite.CASES[name].fault
         assert fault in section
@@ -60,7 +63,7 @@ def test_the_page_in_docs_has_every_case():
 
 def test_every_quick_case_is_held_by_the_test_of_its_module():
     """What takes minutes is run by hand, see docs/validation.md."""
-    here = ROOT / "tests" / "simulation" / "validation"
+    here = ROOT / "tests" / "validation"
     for module in {case.run.__module__.rpartition(".")[2] for case in suite.CASES.values() if not case.slow}:
         assert f"quick({module})" in (here / f"test_{module}.py").read_text(), f"no test runs the quick cases of {module}"
 

@@ -14,10 +14,10 @@ from mechstyle.fea.flight import RigidBody
 from mechstyle.fea.linear_solvers import lowest_period
 from mechstyle.fea.phases import follow
 from mechstyle.records.material import LIBRARY
-from mechstyle.simulation.validation import falls
-from mechstyle.simulation.validation.falls import TILTS, WORST, _landed_again, later_touches, tilted_ways
-from mechstyle.simulation.validation.meshes import box, bracket
 from support.cases import held, quick
+from validation import falls
+from validation.falls import TILTS, WORST, _landed_again, later_touches, tilted_ways
+from validation.meshes import box, bracket
 
 PLA = LIBRARY["PLA"]
 
@@ -54,6 +54,6 @@ def test_a_bar_in_six_tilts_meets_the_floor_as_in_a_full_run():
 
 @pytest.mark.parametrize("name", quick(falls))
 def test_the_simulation_holds(name, monkeypatch):
-    """Of one body in half as many cells; `mechstyle validate` drops two of them."""
+    """Of one body in half as many cells; the case of the suite drops two of them."""
     monkeypatch.setattr(falls, "_bodies", lambda: {"bracket": bracket(20.0, 8.0, 4.0, 4.0)})
     held(name)

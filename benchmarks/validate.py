@@ -1,0 +1,64 @@
+"""Compare the simulation with textbook solutions, CalculiX, finer meshes and other arithmetic; exit code 1 if a figure fails.
+
+python benchmarks/validate.py                          # every case of tests/validation/suite.py: hours on two cores
+python benchmarks/validate.py --quick                  # without what takes minutes
+python benchmarks/validate.py --case patch --case bar  # these alone
+python benchmarks/validate.py --page                   # and write docs/validation.md and its picture
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import msgspec
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
+
+from mechstyle.errors import BadInput
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
+from validation import suite
+from validation.cases import named
+
+DOCS = Path(__file__).parents[1] / "docs"
+MARKS = {True: "[green]passed[/]", False: "[red]FAILED[/]", None: "[yellow]not run[/]"}
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Print the figures of the cases asked for, and write them where they are wanted."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--case", action="append", metavar="NAME", default=[], help="only this case; may be repeated")
+    parser.add_argument("--quick", action="store_true", help="leave out what takes minutes")
+    parser.add_argument("--page", nargs="?", const=DOCS, type=Path, metavar="FOLDER", help="write page and picture, into docs by default")
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write the figures")
+    asked, console, found = parser.parse_args(arguments), Console(highlight=False, soft_wrap=True), []
+    try:
+        chosen = [named(name, suite.CASES) for name in asked.case]
+    except BadInput as error:
+        parser.error(str(error))
+    for case in chosen or [one for one in suite.CASES.values() if not (asked.quick and one.slow)]:
+        results = case.results()
+        found.append((case, results))
+        rows = Table("", "measured", "reference", "error", "limit", "", title=escape(case.title))
+        for one in results:
+            numbers = [f"{value:.4g}" for value in (one.measured, one.reference, one.error, one.limit)]
+            rows.add_row(escape(one.case), *(numbers if one.passed is not None else [""] * 4), MARKS[one.passed])
+        console.print(rows)
+        console.print(*{f"  {escape(one.note)}" for one in results if one.passed is None})
+    if asked.page:
+        suite.write_page(asked.page / "validation.md", found)
+        suite.draw(asked.page / "validation.png", found)
+    if asked.json:
+        asked.json.write_bytes(msgspec.json.format(msgspec.json.encode([one for _, results in found for one in results])))
+    failed = [one.case for _, results in found for one in results if one.passed is False]
+    if failed:
+        print(f"{len(failed)} of the figures lie outside their limits: {'; '.join(failed)}", file=sys.stderr)
+    return int(bool(failed))
+
+
+if __name__ == "__main__":
+    sys.exit(main())
