@@ -43,13 +43,13 @@ PAIRS = {}
 def compared_once():
     """Intervals of Games and Howell take seconds, and most pages here are of the same times."""
     with pytest.MonkeyPatch.context() as patch:
-        real = module.games_howell
+        real = module.statistics.games_howell
 
         def found(groups):
             key = repr({name: list(times) for name, times in groups.items()})
             return PAIRS[key] if key in PAIRS else PAIRS.setdefault(key, real(groups))
 
-        patch.setattr(module, "games_howell", found)
+        patch.setattr(module.statistics, "games_howell", found)
         yield
 
 
