@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -26,8 +27,7 @@ Address = Annotated[
 
 FORMATS = ("3mf", "glb", "obj", "ply", "stl")
 
-PRINTING = "Printing in colour (3MF)"
-"""A heading of the help."""
+OF_PRINTING = partial(typer.Option, rich_help_panel="Printing in colour (3MF)")
 
 
 @app.command("log")
@@ -124,20 +124,12 @@ def export_command(
         typer.Option("--fields", help="With stress, demand and all other known fields at its vertices, for Blender, ParaView: GLB, PLY."),
     ] = False,
     slicer: Annotated[
-        str, typer.Option(help="Whose 3MF it is: standard or prusa (one strict file), bambu or orca (another).", rich_help_panel=PRINTING)
+        str, OF_PRINTING(help="Whose 3MF it is: standard or prusa (one strict file), bambu or orca (another).")
     ] = "standard",
-    palette: Annotated[
-        str, typer.Option(help='Filaments in the printer, slot 1 first: "#111111, #f4f1e8".', rich_help_panel=PRINTING)
-    ] = "",
-    colours: Annotated[
-        int | None, typer.Option(help="How many filaments to choose instead, 1 to 16; the prompt's, or 2.", rich_help_panel=PRINTING)
-    ] = None,
-    bands: Annotated[
-        bool, typer.Option("--bands", help="Filaments one above the other: as good as no changes.", rich_help_panel=PRINTING)
-    ] = False,
-    bodies: Annotated[
-        bool, typer.Option("--bodies", help="A styled shell and the rest as two bodies, unpainted.", rich_help_panel=PRINTING)
-    ] = False,
+    palette: Annotated[str, OF_PRINTING(help='Filaments in the printer, slot 1 first: "#111111, #f4f1e8".')] = "",
+    colours: Annotated[int | None, OF_PRINTING(help="How many filaments to choose instead, 1 to 16; the prompt's, or 2.")] = None,
+    bands: Annotated[bool, OF_PRINTING("--bands", help="Filaments one above the other: as good as no changes.")] = False,
+    bodies: Annotated[bool, OF_PRINTING("--bodies", help="A styled shell and the rest as two bodies, unpainted.")] = False,
     as_json: Json = False,
 ) -> None:
     """Write the surface of a checkpoint to a file, with its colours where the format can hold them, and say what to look at."""

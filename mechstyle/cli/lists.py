@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -51,16 +52,13 @@ def styles_command(
     if sheet is not None:
         from mechstyle.gallery.style_sheet import PARTS, contact_sheet  # noqa: PLC0415 — as above
 
-        place = _a_png(sheet, "the sheet of styles")
         with progress_shown(len(PARTS) + len(library()), quiet=as_json) as teller:
-            written = contact_sheet(stage=teller.step).save(place)
-        print_json({"files": {"sheet": str(written)}}) if as_json else out.print(escape(str(written)))
+            _save(sheet, "styles", lambda: contact_sheet(stage=teller.step), as_json=as_json)
         return
     known = library().values()
     if as_json:
-        print_json(
-            {"styles": [{"name": s.name, "words": called(s.name), "description": s.description, "feature_mm": s.feature_mm} for s in known]}
-        )
+        found = [{"name": s.name, "words": called(s.name), "description": s.description, "feature_mm": s.feature_mm} for s in known]
+        print_json({"styles": found})
         return
     rows = table("style", "also called", "what it is")
     for style in known:
@@ -68,11 +66,12 @@ def styles_command(
     out.print(rows)
 
 
-def _a_png(path: Path, what: str) -> Path:
-    """The path, if a picture can be written there."""
+def _save(path: Path, what: str, draw: Callable[[], Any], *, as_json: bool) -> None:
+    """Write a sheet of pictures, if it can be written there."""
     if path.suffix.lower() != ".png" or not path.absolute().parent.is_dir():
-        raise BadInput(f"{what} cannot be written to {path}: name a .png file in a folder that exists")
-    return path
+        raise BadInput(f"the sheet of {what} cannot be written to {path}: name a .png file in a folder that exists")
+    written = str(draw().save(path))
+    print_json({"files": {"sheet": written}}) if as_json else out.print(escape(written))
 
 
 @app.command("gallery")
@@ -86,9 +85,7 @@ def gallery_command(
     if sheet is not None:
         from mechstyle.gallery.style_sheet import model_sheet  # noqa: PLC0415
 
-        place = _a_png(sheet, "the sheet of models")
-        written = model_sheet().save(place)
-        print_json({"files": {"sheet": str(written)}}) if as_json else out.print(escape(str(written)))
+        _save(sheet, "models", model_sheet, as_json=as_json)
         return
     known = {name: entry(name) for name in names()}
     if as_json:

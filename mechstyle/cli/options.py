@@ -7,6 +7,7 @@ import inspect
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
 from inspect import Parameter, Signature
 from pathlib import Path
 from typing import Annotated, Any
@@ -25,29 +26,15 @@ DEFAULTS_MAY_CHANGE = "Defaults in parentheses are the recipe's; --control, --cr
 
 Model = Annotated[str, typer.Argument(metavar="MODEL", help="A file (STL, OBJ, PLY, GLB, 3MF) or gallery:NAME.")]
 READ_AS = 'Add "#unit=in", "#size=120" or "#body=lid" to a file to say how it is read.'
-Vertices = Annotated[
-    int, typer.Option(help="Vertices of the surface; beyond 25 000 only as many as edges of 0.6 mm need.", rich_help_panel=MACHINE)
-]
+OF_MACHINE = partial(typer.Option, rich_help_panel=MACHINE)
+DETAIL = "Vertices of the surface; beyond 25 000 only as many as edges of 0.6 mm need."
+Vertices = Annotated[int, OF_MACHINE(help=DETAIL)]
 RunVertices = Annotated[
-    int | None,
-    typer.Option(
-        "--vertices",
-        help="Vertices of the surface; beyond 25 000 only as many as edges of 0.6 mm need.",
-        rich_help_panel=MACHINE,
-        show_default=f"{STANDARD_VERTICES}; {QUICK_VERTICES} with --quick",
-    ),
+    int | None, OF_MACHINE("--vertices", help=DETAIL, show_default=f"{STANDARD_VERTICES}; {QUICK_VERTICES} with --quick")
 ]
-Quick = Annotated[
-    bool,
-    typer.Option(
-        "--quick", help="A first answer in about a minute: fewer vertices, fewer nearly flat landings.", rich_help_panel=MACHINE
-    ),
-]
-Device = Annotated[str, typer.Option(help="auto, cpu or cuda.", rich_help_panel=MACHINE)]
-Folder = Annotated[
-    Path | None,
-    typer.Option("--out", help="Run directory; the same command goes on where it stopped.", rich_help_panel=MACHINE),
-]
+Quick = Annotated[bool, OF_MACHINE("--quick", help="A first answer in about a minute: fewer vertices, fewer nearly flat landings.")]
+Device = Annotated[str, OF_MACHINE(help="auto, cpu or cuda.")]
+Folder = Annotated[Path | None, OF_MACHINE("--out", help="Run directory; the same command goes on where it stopped.")]
 Others = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="NAME=VALUE", help="Any other setting of the recipe, such as travel=0.2. May be given several times."),
@@ -137,7 +124,7 @@ def reads_a_part(function: Callable[..., None]) -> Callable[..., None]:
     """Give a command the options that say how its file is read; those that were used reach it as one dict, `reading`."""
     options = []
     for name, (kind, default, what) in READING.items():
-        option = typer.Option(default, help=what, rich_help_panel=MACHINE, show_default=False)
+        option = OF_MACHINE(default, help=what, show_default=False)
         options.append(Parameter(name, Parameter.KEYWORD_ONLY, annotation=kind, default=option))
 
     @functools.wraps(function)

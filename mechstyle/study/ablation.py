@@ -95,17 +95,7 @@ def ablation(
 ) -> Ablation:  # fmt: skip
     """Run every arm on every part and style under every condition; what was run before in the folder is not run again.
 
-    Args:
-        models: Files or `gallery:NAME`.
-        prompts: Styles, in words.
-        out: Folder for rows and runs.
-        conditions: Names of `CONDITIONS`; under "load", parts that carry nothing are left out.
-        arms: Names of `ARMS`.
-        vertices: Vertices of the standardised surface.
-        device: `auto`, `cpu` or `cuda`.
-        jobs: Processes side by side.
-        tell: Called with each row that is there.
-        settings: Settings of a recipe for all arms; `loads` are those of the condition "load", instead of the load of a model's use.
+    Under the condition "load" parts that carry nothing are left out; `loads` among the settings take the place of those of a model's use.
 
     Raises:
         BadInput: If there is no such arm or condition, or a model cannot be used.

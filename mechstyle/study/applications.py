@@ -85,14 +85,9 @@ class Pair:
 
 
 def apply(name: str, out: str | Path, *, vertices: int = STANDARD_VERTICES, device: str = "auto", **settings: Any) -> Pair:
-    """Carry out an application, freely and with feedback, on the gallery's model of it.
+    """Carry out an application, freely and with feedback, on the gallery's model of it; what was begun in the folder goes on.
 
-    Args:
-        name: One of `APPLICATIONS`.
-        out: Folder for the two run directories; what was begun there goes on.
-        vertices: Vertices of the standardised surface.
-        device: `auto`, `cpu` or `cuda`.
-        settings: Settings of a recipe for both runs, such as iterations; `protect` in place of the application's own regions.
+    `protect` among the settings takes the place of the application's own regions.
 
     Raises:
         BadInput: If there is no such application or setting.

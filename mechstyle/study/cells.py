@@ -304,13 +304,7 @@ def figures_of(run: Run) -> Mapping[str, Any]:
 
 
 class LoadFactor(msgspec.Struct, frozen=True, kw_only=True):
-    """What a plain part carries of one load case.
-
-    Attributes:
-        case: Name of the case.
-        stress: σ_V under the case [MPa].
-        factor: Load factor: how many times the case before σ_V is the yield strength.
-    """
+    """What a plain part carries of one load case: σ_V under it [MPa], and how many times the case before σ_V is the yield strength."""
 
     case: str
     stress: float
@@ -318,14 +312,9 @@ class LoadFactor(msgspec.Struct, frozen=True, kw_only=True):
 
 
 def with_loads(recipe: Recipe, model: SurfaceMesh, vertices: int, *, share: float, folder: Path) -> Recipe:
-    """A recipe whose load cases are each a share of what the plain part carries.
+    """A recipe whose load cases are each a share of the load at which σ_V of the plain part is the yield strength.
 
-    Args:
-        recipe: It names the cases and the material.
-        model: The part.
-        vertices: Vertices of the standardised surface.
-        share: Load asked for over the load at which σ_V is the yield strength.
-        folder: Where the load factors of the plain part are kept, so that all runs of a study ask for the same load.
+    The load factors of the plain part are kept in a folder, so that all runs of a study ask for the same load.
 
     Raises:
         BadInput: If the part or a case cannot be used.
@@ -389,11 +378,7 @@ FIELDS = Row.__struct_fields__
 
 
 def write_table(rows: Sequence[Row], path: Path) -> Path:
-    """Write rows to `path` with the suffix .parquet, or .json without pyarrow; the file appears whole or not at all.
-
-    Returns:
-        The file that was written.
-    """
+    """Write rows to `path` with the suffix .parquet, or .json without pyarrow, and return it; it appears whole or not at all."""
     pyarrow = _pyarrow()
     if pyarrow is None:
         target = path.with_suffix(".json")

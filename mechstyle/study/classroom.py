@@ -48,15 +48,7 @@ def prepare(
     """Fill the cache for every part in every style, so that a class waits for its own drops only, and write `commands.md`.
 
     Meshes and the drop of each plain part are kept in the cache folder; a class on other machines sets `MECHSTYLE_CACHE` to a copy of it.
-
-    Args:
-        models: Files or gallery:NAME.
-        prompts: Styles.
-        settings: Fields of `Recipe` that all runs share.
-        vertices: Vertices of the standardised surface.
-        folder: Where `commands.md` goes.
-        device: `auto`, `cpu` or `cuda`.
-        stage: Called with what is being done, in words.
+    `settings` are fields of `Recipe` that all runs share.
 
     Raises:
         MechStyleError: If a part or a setting cannot be used; what was prepared before stays.
@@ -110,14 +102,9 @@ class Handed:
 
 
 def collect(files: Sequence[str | Path], fall: float) -> Handed:
-    """The reports that a class handed in, as one table: who keeps most style and still passes?
+    """The reports that a class handed in, as one table: who keeps most style and still passes a fall [mm]?
 
-    Args:
-        files: Reports as `mechstyle report` writes them; the name of a file, without its suffix, says who.
-        fall: Height of the fall that counts [mm].
-
-    Raises:
-        BadInput: If none of them is a report.
+    The name of a file, without its suffix, says who. BadInput if none of them is a report.
     """
     if len(files) > MOST:
         raise BadInput(f"{len(files)} reports are more than the {MOST} of the largest class: collect them in several tables")

@@ -81,20 +81,9 @@ CONDITIONS: Mapping[str, Condition] = MappingProxyType(
 
 @dataclass(frozen=True, kw_only=True)
 class Factors:
-    """What is crossed in a study.
+    """What is crossed in a study: parts (gallery models or files), prompts and seeds; and what all its cells have.
 
-    Attributes:
-        models: Names of gallery models, or files.
-        styles: Prompts.
-        controls: Of an evaluation.
-        schedules: Of an evaluation.
-        arms: Of an ablation, names of `STUDY_ARMS`.
-        conditions: Of an ablation, names of `CONDITIONS`.
-        seeds: Seeds of the style.
-        iterations: Stylization iterations.
-        vertices: Vertices of the standardised surface.
-        device: `auto`, `cpu` or `cuda`.
-        settings: Other fields of the recipe, for all cells.
+    Controls and schedules are those of an evaluation, arms and conditions, names of `STUDY_ARMS` and `CONDITIONS`, of an ablation.
     """
 
     models: Sequence[str] = ()
@@ -129,11 +118,7 @@ class Factors:
 
 
 def cells_of(study: str, factors: Factors) -> list[Cell]:
-    """The cells of a study: how often a style alone breaks a part, every control with every schedule, or each arm under each condition.
-
-    Args:
-        study: One of STUDIES.
-        factors: What is crossed in it.
+    """The cells of one of STUDIES: a style alone, every control with every schedule, or each arm under each condition.
 
     Raises:
         BadInput: For a study, model, style or setting that there is not, and a file that cannot be used.

@@ -53,10 +53,7 @@ SLIPS = """\
 def write_page(rows: Sequence[Row], page: Path, *, note: str = "") -> dict[str, str]:
     """Write the page, its figures and the table it is made from beside it; what each file is, and its path.
 
-    Args:
-        rows: Of one or several studies; the same run counts once.
-        page: The Markdown file.
-        note: A sentence on where the runs come from.
+    The same run counts once. `note` is a sentence on where the runs come from.
 
     Raises:
         BadInput: If no run of these is finished.

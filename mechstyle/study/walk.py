@@ -34,15 +34,8 @@ Tell = Callable[[Row], None]
 def walk(cells: Sequence[Cell], folder: str | Path, *, jobs: int = 1, scheduler: str = "", tell: Tell = lambda _: None) -> list[Row]:
     """The rows of all cells, in their order; what has a row already is only read, unless it was refused.
 
-    Args:
-        cells: What is asked for; the same cell may stand there several times.
-        folder: The study's folder.
-        jobs: Processes side by side on this machine.
-        scheduler: Address of a Dask scheduler, such as `tcp://10.0.0.1:8786`, or a scheduler file; then jobs do not count.
-        tell: Called with every row when it is done, those that were there before first.
-
-    Raises:
-        BadInput: If there is no such scheduler.
+    With a Dask scheduler, its address such as `tcp://10.0.0.1:8786` or its file, `jobs`, processes on this machine, do not count. `tell` is
+    called with every row when it is done, those that were there before first. BadInput if there is no such scheduler.
     """
     rows = Rows(folder)
     todo: dict[str, Cell] = {}

@@ -11,7 +11,6 @@ from PIL import Image
 from mechstyle.errors import BadInput
 from mechstyle.records.sentences import EXPLANATION, MEANINGS, length
 from mechstyle.study import page as module
-from mechstyle.study import statistics
 from mechstyle.study.cells import Row, Rows, read_table, write_table
 from mechstyle.study.figures import _cell
 from mechstyle.study.grids import CONDITIONS, STUDY_CONTROLS, STUDY_SCHEDULES, STYLES
@@ -44,13 +43,13 @@ PAIRS = {}
 def compared_once():
     """Intervals of Games and Howell take seconds, and most pages here are of the same times."""
     with pytest.MonkeyPatch.context() as patch:
-        real = statistics.games_howell
+        real = module.statistics.games_howell
 
         def found(groups):
             key = repr({name: list(times) for name, times in groups.items()})
             return PAIRS[key] if key in PAIRS else PAIRS.setdefault(key, real(groups))
 
-        patch.setattr(statistics, "games_howell", found)
+        patch.setattr(module.statistics, "games_howell", found)
         yield
 
 

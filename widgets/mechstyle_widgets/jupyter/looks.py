@@ -131,28 +131,11 @@ def family(widget: ipywidgets.Widget) -> list[ipywidgets.Widget]:
     return list(found.values())
 
 
-class _Late(logging.Filter):
-    """What a page still says of widgets that were closed meanwhile is no news: JupyterLab put a red number on its log for it."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.closed: dict[str, None] = {}
-
-    def note(self, widget: ipywidgets.Widget) -> None:
-        """A widget is about to be closed."""
-        self.closed[widget.model_id] = None
-        while len(self.closed) > REMEMBERED:
-            del self.closed[next(iter(self.closed))]
-
-    def filter(self, record: logging.LogRecord) -> bool:
-        *_, ident = record.getMessage().rpartition("No such comm: ")
-        return ident not in self.closed
-
-
 REMEMBERED = 20_000
 """Closed widgets that a page may still speak of."""
-_late = _Late()
-logging.getLogger("Comm").addFilter(_late)
+_closed: dict[str, None] = {}
+"""Their ids: what a page says of them is no news, though JupyterLab put a red number on its log for it."""
+logging.getLogger("Comm").addFilter(lambda record: record.getMessage().rpartition("No such comm: ")[2] not in _closed)
 
 
 def close_family(widget: ipywidgets.Widget, *more: ipywidgets.Widget) -> None:
@@ -165,7 +148,9 @@ def close_family(widget: ipywidgets.Widget, *more: ipywidgets.Widget) -> None:
     parts = list({id(part): part for one in (widget, *more) for part in family(one)}.values())
     for part in parts:
         if part.comm is not None:
-            _late.note(part)
+            _closed[part.model_id] = None
         if part is not widget and not shared(part):
             part.close()
     close_unused(part for part in parts if shared(part))
+    for ident in list(_closed)[:-REMEMBERED]:
+        _closed.pop(ident, None)

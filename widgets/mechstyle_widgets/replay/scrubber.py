@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from typing import Any, Protocol
+from typing import Any
 
 import ipywidgets
 import traitlets
@@ -93,20 +93,6 @@ def served(cache: Cache | None, state: StudioState) -> list[int]:
     return [row.iteration for row in state.history if cache.digests.get(row.iteration) == row.digest]
 
 
-class View(Protocol):
-    """A view of a run in pythreejs whose buffers the page may fill."""
-
-    @property
-    def page(self) -> dict[str, Any]:
-        """What the page needs to fill them: ids of models, layer and iteration drawn; empty while it is to leave them alone."""
-
-    def observe(self, handler: Any, names: Any) -> None:
-        """As of a widget."""
-
-    def unobserve(self, handler: Any, names: Any) -> None:
-        """As of a widget."""
-
-
 class Scrubber(PageWidget):
     """A slider from 0 to the newest iteration of a state.
 
@@ -128,7 +114,7 @@ class Scrubber(PageWidget):
     def __init__(self, state: StudioState) -> None:
         """Follow the lane a state shows."""
         self._state = state
-        self._view: View | None = None
+        self._view: Any = None
         self._packer: Packer | None = None
         super().__init__()
         self.on_msg(self._hear)
@@ -136,8 +122,8 @@ class Scrubber(PageWidget):
         self._packer = Packer(state, self._take)
         self._follow()
 
-    def serve(self, view: View | None) -> None:
-        """Draw in a view while it is dragged; None for none."""
+    def serve(self, view: Any) -> None:
+        """Draw in a view of a run while it is dragged, whose `page` says what the page may fill; None for none."""
         if self._view is not None:
             self._view.unobserve(self._look, ("layer", "drawings"))
         self._view = view

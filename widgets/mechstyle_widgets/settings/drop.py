@@ -121,8 +121,8 @@ class DropOptions(Section):
         self.sizes = lean(ipywidgets.ToggleButtons, options=list(SIZES.items()), value=None, tooltips=words, style=looks)
         self.sizes.add_class("mechstyle-sizes")
         self.sizes.observe(lambda change: setattr(self, "vertices", change["new"] or self.vertices), "value")
-        self.observe(self._show_size, "vertices")
-        self._show_size()
+        # neither where a number was asked for that is of neither
+        traitlets.dlink((self, "vertices"), (self.sizes, "value"), lambda count: count if count in SIZES.values() else None)
         self._way.observe(self._choose_way, "value")
         self._standard.observe(self._choose_standard, "value")
         self._height.observe(self._fall, "value")
@@ -184,10 +184,6 @@ class DropOptions(Section):
         elif way != self.way:
             with self.hold_trait_notifications():
                 self.poses, self.orientations = way, POSES[way]
-
-    def _show_size(self, _change: object = None) -> None:
-        """Neither where a number was asked for that is of neither."""
-        self.sizes.value = self.vertices if self.vertices in SIZES.values() else None
 
     def _choose_standard(self, change: dict[str, Any]) -> None:
         """A standard brings its landings and height; none leaves them as they are."""

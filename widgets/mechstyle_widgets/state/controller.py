@@ -199,16 +199,12 @@ class Controller:
                 self.state.tell(message=f"{wanted.folder} holds a run with other settings: this one is in {run.store.root}")
             yield from self._told(run, progress, then_freely=then_freely)
 
-        return self._followed(Session(events), wanted.recipe.schedule.iterations, self.state.expected)
+        return self.state.watch(Session(events), wanted.recipe.schedule.iterations, self.state.expected)
 
     def _carry_on(self, run: Run, *, then_freely: bool = False) -> Session:
         self.state.open(run)
-        return self._followed(Session(lambda progress: self._told(run, progress, then_freely=then_freely)), run.recipe.schedule.iterations)
-
-    def _followed(self, session: Session, iterations: int, foretold: float = 0.0) -> Session:
-        self.state.message = ""
-        self.state.watch(session, iterations, foretold)
-        return session
+        session = Session(lambda progress: self._told(run, progress, then_freely=then_freely))
+        return self.state.watch(session, run.recipe.schedule.iterations)
 
     def _told(self, run: Run, progress: Progress, *, then_freely: bool) -> Generator[Event, None, None]:
         """The events of a run, and of its free twin if that is to follow; and how far a drop test has come."""

@@ -233,11 +233,12 @@ class StudioState(traitlets.HasTraits):
 
     # what is going on
 
-    def watch(self, session: Session, iterations: int, foretold: float = 0.0) -> None:
-        """Follow a session that is about to start: every event and every change of its state is brought here.
+    def watch(self, session: Session, iterations: int, foretold: float = 0.0) -> Session:
+        """Follow a session that is about to start, and return it: every event and every change of its state is brought here.
 
         Its lane is to end at `iterations`; `foretold` is how long it will take, by an estimate [s], 0 where there is none.
         """
+        self.message = ""
         self.session, self._iterations, self._foretold = session, iterations, foretold
         self._watch, self._outlook, self._last = Stopwatch(), Outlook(), ("", -1)
         session.listen(lambda event: self._hear(event) if session is self.session else None)
@@ -254,6 +255,7 @@ class StudioState(traitlets.HasTraits):
             self.tell(status="idle" if state == "ready" else state, pausing=False)
 
         session.watch(changed)
+        return session
 
     def tell(self, *, stale: bool = False, opened: Run | None = None, **traits: Any) -> None:
         """Note what traits are to become, from any thread; those of `OF_A_RUN` when the opened run is shown.
