@@ -6,7 +6,7 @@ import trimesh
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mechstyle.loop.minimum_wall import SEEN, freedom, spared, styled_thickness, warnings
+from mechstyle.loop.minimum_wall import SEEN, freedom, room, spared, styled_thickness, warnings
 from mechstyle.records.mesh import SurfaceMesh
 
 FEW = {"min_size": 1, "max_size": 8}
@@ -41,6 +41,13 @@ def test_cutting_is_slowed_from_half_the_minimum_above_it_and_stops_at_it(left, 
     depth = 0.5 * (5.0 - left)
     assert freedom(np.float32([5.0]), np.float32([-depth]), 0.8) == pytest.approx([factor], abs=1e-5)
     assert freedom(np.float32([left]), np.float32([0.3]), 0.8) == pytest.approx([factor], abs=1e-5)
+
+
+def test_there_is_room_as_far_as_nothing_is_slowed_and_none_in_a_thin_wall():
+    thickness = np.float32([5.0, 1.2, 0.3])
+    assert room(thickness, 0.8) == pytest.approx([1.9, 0.0, 0.0], abs=1e-6)
+    deepest = -np.float32([1.9, 1.95])
+    assert freedom(np.float32([5.0, 5.0]), deepest, 0.8) == pytest.approx([1.0, 0.75], abs=1e-5)
 
 
 @given(st.floats(0.0, 10.0), st.lists(st.floats(-3.0, 3.0), min_size=2, max_size=8), minima)
