@@ -37,12 +37,12 @@ def test_a_region_that_cannot_be_is_refused(finished, arguments, said):
 
 @pytest.fixture(scope="module")
 def protected(finished, tmp_path_factory):
-    """A branch that protects the inside, with a quick drop, and its file."""
+    """A branch that protects the top of the box, with a quick drop, and its file."""
     line, root, _ = finished
     copy = tmp_path_factory.mktemp("protected") / "part"
     shutil.copytree(root, copy)
     quick = ("--orientations", "1", "--set", "element=tet4", "--set", "window=0.2", "--set", "nearly_flat=False", "--schedule", "never")
-    line.here("branch", f"{copy}@0", "--lane", "outside", "--protect", "inside colour", *quick, "--json")
+    line.here("branch", f"{copy}@0", "--lane", "outside", "--protect", "above 5 colour", *quick, "--json")
     fine = line.here("export", f"{copy}@outside", "--out", copy / "part.ply", "--json").json
     return copy, fine
 
@@ -50,13 +50,12 @@ def protected(finished, tmp_path_factory):
 def test_what_is_protected_does_not_move_and_keeps_its_colour(protected):
     run = Run.open(f"{protected[0]}@outside", "cpu")
     state, start = run.checkpoint(), run.checkpoint(0)
-    x, y, z = run.part.surface.vertices.T
-    held = (np.hypot(x, y) < 37.2) & (z > 10.0) & (z < z.max() - 5.0)  # clear of floor and rim, where inside ends
+    held = run.part.surface.vertices[:, 2] > 6.0
     assert held.any()
     assert not state.displacement[held].any()
     assert np.array_equal(state.colour[held], start.colour[held])
     assert state.displacement[~held].any()
-    assert any(note.startswith("protected: inside colour") for note in run.summary.notes)
+    assert any(note.startswith("protected: above 5 colour") for note in run.summary.notes)
 
 
 def test_a_file_comes_with_its_own_verdict(protected):

@@ -134,7 +134,7 @@ def test_a_run_killed_at_any_moment_resumes_to_the_same_bytes(finished, tmp_path
     arguments = (*line.styled, "--out", tmp_path / "killed", "--json")
     with line.start(*arguments) as process:
         store = Store(tmp_path / "killed")
-        while process.poll() is None and not (store.lanes() and store.lane().head and store.find(None).iteration >= 3):
+        while process.poll() is None and not (store.lanes() and store.lane().head and store.find(None).iteration >= 1):
             pass
         process.send_signal(signal.SIGKILL)
     assert not store.is_finished(), "it must have been killed on the way"
