@@ -80,8 +80,9 @@ UNTIL = """async (execute, code, wanted, patience) => {
 }"""
 OURS = re.compile("THREE|anywidget|mechstyle", re.IGNORECASE)
 """What an error in a page's console names if it comes from a widget."""
-DEAF = "[anywidget] Failed to initialize model."
-"""What anywidget says of a script that comes after its two seconds; ours hear nevertheless (`test_reload`)."""
+NOT_OURS = ("[anywidget] Failed to initialize model.", "Canceled future for ")
+"""What anywidget says of a script that comes after its two seconds, though ours hear nevertheless (`test_reload`), and JupyterLab of what
+it had asked a kernel that was killed (`test_reopening`)."""
 SETTLED = "() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"
 
 
@@ -305,7 +306,7 @@ def notebook(visitor: BrowserContext, lab: Lab, request: pytest.FixtureRequest) 
     opened = Notebook(page, lab, Path(request.node.name).stem)
     local = (lab.address, lab.address.replace("http", "ws"), "data:", "blob:")
     page.on("request", lambda asked: None if asked.url.startswith(local) else opened.asked_outside.append(asked.url))
-    page.on("pageerror", lambda error: None if DEAF in str(error) else opened.errors.append(str(error)))
+    page.on("pageerror", lambda error: None if any(said in str(error) for said in NOT_OURS) else opened.errors.append(str(error)))
     page.on("console", lambda said: opened.errors.append(said.text) if said.type == "error" and OURS.search(said.text) else None)
     yield opened
     page.evaluate(SHUT_DOWN)
