@@ -131,7 +131,7 @@ def left_out(recipe: Recipe) -> tuple[str, ...]:
         "of the nearly flat landings the styled part was dropped only in the two that are hardest for the plain part, and what is survived"
         " there is estimated"
     )
-    rough = "its drops were rough, which reads up to 15 % too much stress, and of landings that mirror each other one was dropped"
+    rough = "its drops were rough, so that a stress may be 15 % too high or too low, and of landings that mirror each other one was dropped"
     test = recipe.test
     return (*((hardest,) if test.hardest_only and test.nearly_flat else ()), *((rough,) if test.rough else ()))
 
