@@ -111,7 +111,8 @@ def foretold(wanted: Recipe, vertices: int) -> Estimate:
     tests = 1 + (wanted.restraint.guarantee and wanted.schedule.when == "never") + (wanted.schedule.when != "never") * USUAL_TESTS
     return estimated(
         vertices, tests, height=wanted.test.height, iterations=wanted.schedule.iterations, orientations=wanted.test.orientations,
-        nearly_flat=wanted.test.nearly_flat, element=wanted.test.element, window=wanted.test.window,
+        nearly_flat=wanted.test.nearly_flat, hardest_only=wanted.test.hardest_only, rough=wanted.test.rough,
+        element=wanted.test.element, window=wanted.test.window,
     )  # fmt: skip
 
 

@@ -22,6 +22,11 @@ def test_falls_are_those_of_the_plain_part_of_the_tests_on_the_way_and_of_the_la
     assert estimated(**TRY, nearly_flat=False).falls == 1 + 4 + 1
     assert estimated(**TRY).falls == 2 * (1 + NEARLY_FLAT) + 4 * 3
     assert estimated(**TRY, orientations=6).falls == 2 * (6 + NEARLY_FLAT) + 4 * 3
+    quick = estimated(**TRY, hardest_only=True, rough=True)
+    assert quick.falls == 1 + NEARLY_FLAT // 2 + 5 * 3
+    assert quick.seconds < estimated(**TRY, hardest_only=True).seconds < estimated(**TRY).seconds
+    known = [estimated(**TRY, nearly_flat=False, rough=rough, fall=3.0).seconds for rough in (False, True)]
+    assert known[0] == known[1], "a fall that was measured is as rough as the others"
 
 
 def test_time_is_tetrahedra_times_steps():
