@@ -33,8 +33,8 @@ TETRAHEDRA, FINEST = 2.6, 13_000
 """Tetrahedra for each vertex of the surface: 2.0 to 3.3 of these and one of 12 000; a surface of more vertices than FINEST gets no more."""
 NEARLY_FLAT = 8
 """Landings on the corners and sides of what a part stands on: eight of a box, six of a round base. Half of them mirror others."""
-ROUGHLY = 0.67
-"""Time of a rough drop over that of another: of 247 drops of 16 parts, in the median."""
+ROUGHLY = 0.68
+"""Processor time of a rough drop over that of another: of 247 drops of 16 parts, in the median."""
 MESHING = 2.2e-3
 """Time of one core to mesh a part, for each vertex of its surface [s]."""
 STYLING = 4e-6

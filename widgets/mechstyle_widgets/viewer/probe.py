@@ -71,7 +71,7 @@ GRAZING = 0.25
 def struck(mesh: SurfaceMesh, eye: Any, towards: Any, keeps: Callable[[Any], NDArray[np.bool_]]) -> tuple[Floats, int] | None:
     """The first place on a surface [mm] that a line of sight meets where a cut leaves it, and the face; None if it misses it.
 
-    Where the line meets the face from within, as through a cut, it counts for the face all the same. `keeps` tells of points, shape
+    Where the line meets the face from within, as through a cut, it counts for the face, too. `keeps` says of points, shape
     [n, 3], whether they are left.
     """
     corner, along = mesh.corners[:, 0], mesh.corners[:, 1:] - mesh.corners[:, :1]
