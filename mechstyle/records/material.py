@@ -15,6 +15,8 @@ LIMITS: Mapping[str, tuple[float, float, str]] = {
     "poisson_ratio": (0.0, 0.495, ""),
     "density": (1e-5, 3e-2, "g/mm³ (water is 1e-3)"),
     "yield_strength": (1e-3, 1e4, "MPa"),
+    "hardening": (0.0, 1e5, "MPa"),
+    "elongation": (1e-3, 10.0, "(0.05 is 5 %)"),
     "safety_coefficient": (1e-3, 1.0, ""),
     "layer_ratio": (0.05, 1.0, ""),
 }
@@ -25,6 +27,8 @@ USUAL: Mapping[str, tuple[float, float]] = {
     "poisson_ratio": (0.05, 0.495),
     "density": (2e-4, 2.3e-2),
     "yield_strength": (1.0, 3e3),
+    "hardening": (1.0, 1e4),
+    "elongation": (5e-3, 10.0),
     "safety_coefficient": (1e-2, 1.0),
     "layer_ratio": (0.05, 1.0),
 }
@@ -36,6 +40,8 @@ OTHER_UNITS: Mapping[str, tuple[tuple[float, str], ...]] = {
     "poisson_ratio": PER_CENT,
     "density": ((1e-3, "g/cm³"), (1e-6, "kg/m³"), (1e3, "kg/mm³"), (1e6, "t/mm³")),
     "yield_strength": ((1e-6, "Pa"), (1e-3, "kPa"), (1e3, "GPa")),
+    "hardening": ((1e-6, "Pa"), (1e-3, "kPa"), (1e3, "GPa")),
+    "elongation": PER_CENT,
     "safety_coefficient": PER_CENT,
     "layer_ratio": PER_CENT,
 }
@@ -43,6 +49,9 @@ OTHER_UNITS: Mapping[str, tuple[tuple[float, str], ...]] = {
 
 RUBBERY = 0.45
 """Poisson's ratio from which a material is an elastomer."""
+
+STIFF, STIFF_ELONGATION = 1000.0, 2.0
+"""Young's modulus [MPa] from which no solid is drawn to three times its length before it breaks."""
 
 SOFTEST = 10.0
 """Least Young's modulus of a solid that is no elastomer [MPa]; low-density polyethylene has 100."""
@@ -76,6 +85,11 @@ def _mismatch(material: Material) -> str:
     if young < SOFTEST and not elastomer:
         meant = _likely("youngs_modulus", young)
         return f"youngs_modulus is {young:g} MPa, softer than any solid with a Poisson's ratio of {material.poisson_ratio:g}{meant}"
+    if material.hardening > young:
+        return f"hardening is {material.hardening:g} MPa, more than youngs_modulus with {young:g} MPa: past yield a solid is softer than before"
+    if material.elongation > STIFF_ELONGATION and young > STIFF:
+        likely = _four_digits(0.01 * material.elongation)
+        return f"elongation is {material.elongation:g}, which is {material.elongation:.0%}; it looks like per cent: write {likely}"
     low, high = YIELD_STRAIN[elastomer]
     if low <= strength / young <= high:
         return ""
@@ -92,7 +106,7 @@ def _mismatch(material: Material) -> str:
 
 
 class Material(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """An isotropic elastic material with a yield strength.
+    """An isotropic material that yields (von Mises), hardens in proportion to its plastic strain, and breaks.
 
     Attributes:
         name: Its short name.
@@ -100,9 +114,11 @@ class Material(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
         poisson_ratio: ν, in (0, 0.5).
         density: ρ [g/mm³].
         yield_strength: S_yield, uniaxial [MPa].
+        hardening: Slope of stress over plastic strain past yield [MPa]; 0, the safe side, where it is not known.
+        elongation: Elongation at break, 0.05 for 5 %; that of a brittle resin where it is not known.
         safety_coefficient: λ_s in σ_c = λ_s S_yield (Stava et al. 2012); used by the `paper` criterion.
         source: Where the figures come from.
-        ductile: Whether a wall in bending yields through its whole thickness before it breaks. False where that is not known.
+        yielding_source: Where hardening and elongation come from.
         layer_ratio: Strength across printed layers over strength along them; None where no source states both.
         layer_source: Where that ratio comes from.
     """
@@ -112,9 +128,11 @@ class Material(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     poisson_ratio: float
     density: float
     yield_strength: float
+    hardening: float = 0.0
+    elongation: float = 0.02
     safety_coefficient: float = 0.2
     source: str = "given by the user"
-    ductile: bool = False
+    yielding_source: str = "given by the user, or assumed as those of a brittle resin"
     layer_ratio: float | None = None
     layer_source: str = ""
 
@@ -132,7 +150,7 @@ class Material(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     def label(self) -> str:
         """Name for verdicts: `generic PLA` for the figures of the library, which no brand vouches for, else the name alone."""
         known = LIBRARY.get(self.name)
-        figures = ("youngs_modulus", "poisson_ratio", "density", "yield_strength")
+        figures = ("youngs_modulus", "poisson_ratio", "density", "yield_strength", "hardening", "elongation")
         generic = known is not None and all(getattr(self, figure) == getattr(known, figure) for figure in figures)
         return f"generic {self.name}" if generic else self.name
 
@@ -162,37 +180,51 @@ LIBRARY: dict[str, Material] = {
     for material in (
         Material(
             name="PLA", youngs_modulus=3500.0, poisson_ratio=0.36, density=1.24e-3, yield_strength=45.6, layer_ratio=0.55,
+            hardening=35.0, elongation=0.04,
             source="Faruqi et al. 2025 (MechStyle), doi 10.1145/3745778.3766655",
+            yielding_source="elongation at break 3 to 6 % in data sheets of printed PLA; hardening E/100, hardly any, assumed",
             layer_source="0.50 and 0.53 in two Polymaker data sheets (TDS V5.3 and V5.4), 0.5 to 0.7 in printing guides",
         ),
         Material(
-            name="PETG", youngs_modulus=2200.0, poisson_ratio=0.38, density=1.27e-3, yield_strength=50.0, ductile=True, layer_ratio=0.6,
+            name="PETG", youngs_modulus=2200.0, poisson_ratio=0.38, density=1.27e-3, yield_strength=50.0, layer_ratio=0.6,
+            hardening=22.0, elongation=0.06,
             source="typical value, E 2.2 GPa as MakeItFrom tabulates PETG, strength midway in 44 to 56 MPa reported for flat prints",
+            yielding_source="elongation at break 5 to 8 % in data sheets of printed PETG; hardening E/100 assumed",
             layer_source="25 to 38 MPa across, 44 to 56 MPa along layers, additive.tools",
         ),
         Material(
             name="ABS", youngs_modulus=2413.0, poisson_ratio=0.35, density=1.04e-3, yield_strength=33.0,
+            hardening=24.0, elongation=0.04,
             source="Stratasys, Fortus ABS-M30 white paper: E (ASTM D638), tensile strength for yield (ISO 527); ρ and ν typical value",
+            yielding_source="elongation at break 4 %, Stratasys, Fortus ABS-M30; hardening E/100 assumed",
         ),
         Material(
-            name="PA12", youngs_modulus=1650.0, poisson_ratio=0.40, density=0.93e-3, yield_strength=48.0, ductile=True, layer_ratio=1.0,
+            name="PA12", youngs_modulus=1650.0, poisson_ratio=0.40, density=0.93e-3, yield_strength=48.0, layer_ratio=1.0,
+            hardening=16.0, elongation=0.18,
             source="sintered EOS PA 2200: density (safety data sheet), tensile strength for yield (data sheet); E and ν typical value",
+            yielding_source="elongation at break 18 %, EOS PA 2200; hardening E/100 assumed",
             layer_source="48 MPa in both directions, HP PA 12 data sheet (Multi Jet Fusion)",
         ),
         Material(
-            name="TPU", youngs_modulus=26.0, poisson_ratio=0.48, density=1.22e-3, yield_strength=8.6, ductile=True, layer_ratio=0.6,
+            name="TPU", youngs_modulus=26.0, poisson_ratio=0.48, density=1.22e-3, yield_strength=8.6, layer_ratio=0.6,
+            hardening=5.0, elongation=4.0,
             source="typical value, thermoplastic polyurethane of 95 Shore A; it has no sharp yield",
+            yielding_source="elongation at break 400 to 600 %; hardening from 8.6 to some 25 MPa over it",
             layer_source="12 to 24 MPa across, 22 to 36 MPa along layers, 95 Shore A, additive.tools",
         ),
         Material(
             name="Vero", youngs_modulus=2250.0, poisson_ratio=0.38, density=1.17e-3, yield_strength=47.5, layer_ratio=1.0,
+            hardening=22.0, elongation=0.1,
             source="Stratasys Vero (PolyJet), middle of E 2000 to 2500 MPa and tensile strength 40 to 55 MPa tabulated in PMC10406103; "
             "density and ν typical value",
+            yielding_source="elongation at break 10 to 25 % in Stratasys data sheets of Vero; hardening E/100 assumed",
             layer_source="assumed: layers cure into each other",
         ),
         Material(
             name="Resin", youngs_modulus=2500.0, poisson_ratio=0.38, density=1.18e-3, yield_strength=50.0, layer_ratio=1.0,
+            hardening=25.0, elongation=0.02,
             source="typical value, standard stereolithography resin, post-cured: tensile strength 38 to 65 MPa, hardly any yield",
+            yielding_source="elongation at break 2 to 6 %, the brittle end; hardening E/100 assumed",
             layer_source="assumed: layers cure into each other",
         ),
     )
