@@ -15,53 +15,63 @@ from mechstyle.errors import unknown
 from mechstyle.records import CONTROLS, NORMALISATIONS, Recipe, Row, Simulation
 from mechstyle.records.material import Material
 from mechstyle.records.mesh import Field
-from mechstyle.records.verdict import REPEATABILITY, drop_limit, load_limit
 
 RESERVE = 0.01
 """Share of a limit that counts as reserve where the original itself stands at the limit, so that no division is by zero."""
 
 
+YIELDED = 0.002
+"""Plastic strain from which a place has yielded: the R_p0.2 of the textbooks."""
+
+
+def utilisation(stress: Field, strain: Field, material: Material) -> Field:
+    """σ_vM / σ_y where a place stays elastic, 1 + ε_p / ε_break where it yields, shape [vertex_count].
+
+    `stress` [MPa] and plastic strain are those of one test at the surface, shape [vertex_count].
+    """
+    elastic = np.minimum(stress / np.float32(material.yield_strength), 1.0)
+    return np.where(strain > YIELDED, 1.0 + strain / np.float32(material.elongation), elastic).astype(np.float32)
+
+
 def demand(simulation: Simulation, original: Simulation, recipe: Recipe) -> Field:
     """Normalised stress s_norm(v) ≥ 0, at or above 1 where a vertex has no reserve left, shape [vertex_count].
 
-    `headroom` is the largest over the landings and loads that decide, each beside the original in the same test and below its own
-    limit. The others know the field as placed alone, as published.
+    `headroom` is the largest over the landings and loads, each beside the original in the same test, of their utilisation. The others
+    know the field as placed alone, as published.
     """
     material, normalisation = recipe.test.material, recipe.restraint.normalisation
-    strength = material.yield_strength
     if normalisation != "headroom":
         own = original.stress
-        return normalised(simulation.stress, own, np.float32(strength), float(own.max()), material, normalisation)
+        return normalised(simulation.stress, own, np.float32(material.yield_strength), float(own.max()), material, normalisation)
+    tests = [{"landing": one.name} for one in simulation.landings] + [{"load": one.name} for one in simulation.loads]
     fields = []
-    for landing, stress in zip(simulation.landings, simulation.landing_stress, strict=True):
-        same = original.of(landing.way)
-        if landing.way != "any landing" and same:
-            limit = drop_limit(max(one.stress for one in same), strength)
-            fields.append(headroom(stress, original.stress_of(landing=landing.name), np.float32(limit)))
-    for case, stress in zip(simulation.loads, simulation.load_stress, strict=True):
-        theirs = original.load(case.name)
-        limit = strength if theirs is None else load_limit(theirs.stress, strength)
-        fields.append(headroom(stress, original.stress_of(load=case.name), np.float32(limit)))
+    for test in tests:
+        used, before = (utilisation(part.stress_of(**test), part.strain_of(**test), material) for part in (simulation, original))
+        fields.append(headroom(used, before, np.float32(1.0)))
     return np.maximum.reduce(fields)
 
 
-def utilisation(simulation: Simulation, rows: Sequence[Row]) -> Field:
-    """Stress over what passes with certainty, in the tests that are to be met, shape [vertex_count].
+def overload(simulation: Simulation, rows: Sequence[Row], material: Material) -> Field:
+    """Utilisation in the tests that are to be met, over what each row allows, shape [vertex_count]: above 1 where relief is to go.
 
-    It is the largest over those tests, and over every landing of a kind that exceeds the limit of its row. Where it is above 1 lies the
-    volume that σ_V is about.
+    A place that has yielded counts by its plastic strain over the largest, so that the hinge is lowered and not the scratch beside it.
     """
     fields = [np.zeros(len(simulation.displacement), np.float32)]
     for row in rows:
-        allowed = np.float32(row.limit / (1.0 + REPEATABILITY[row.test]))
-        if row.load:
-            fields.append(simulation.stress_of(load=row.load) / allowed)
-        elif row.test == "published rule":
-            fields.append(simulation.stress / np.float32(row.limit))
-        else:
-            landings = [one for one in simulation.of(row.test) if one.stress > allowed or one.name == row.landing]
-            fields += [simulation.stress_of(landing=one.name) / allowed for one in landings]
+        if row.test == "published rule":
+            fields.append(simulation.stress / np.float32(material.yield_strength))
+            continue
+        strain = simulation.strain_of(landing=row.landing, load=row.load)
+        stress = simulation.stress_of(landing=row.landing, load=row.load) / np.float32(material.yield_strength)
+        most, excess = max(float(strain.max()), YIELDED), min(max(row.used - 1.0, LEAST_EXCESS), 1.0)
+        fields.append(np.where(strain > YIELDED, 1.0 + excess * strain / most, AT_REST * stress).astype(np.float32))
     return np.maximum.reduce(fields)
+
+
+LEAST_EXCESS = 0.1
+"""Overload of a test that all but passes, so that something is lowered …"""
+AT_REST = 0.85
+"""… and share of its stress that a place which does not yield counts with: what yields comes first, and this where nothing at the surface does."""
 
 
 def normalised(stress: Field, original: Field, limit: Field | np.float32, largest: float, material: Material, normalisation: str) -> Field:
@@ -92,7 +102,7 @@ def normalised(stress: Field, original: Field, limit: Field | np.float32, larges
 def headroom(stress: Field, original: Field, limit: Field | np.float32) -> Field:
     """(s − s0) / (A − s0), the share of the reserve the style has used up, at least 1 where the stress s exceeds A; shape [vertex_count].
 
-    s0 is the stress of the original [MPa], shape [vertex_count], A the limit [MPa], one for each vertex or for all. Where the original is
+    s0 is that of the original, of the same unit, shape [vertex_count], A the limit, one for each vertex or for all. Where the original is
     above A itself, A is what it reaches: nothing is demanded of the unstylized part.
     """
     limit = np.maximum(limit, original)

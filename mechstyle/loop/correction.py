@@ -1,15 +1,13 @@
-"""Correction of a finished relief: lowered where a test does not pass for sure, then given back where there is room.
+"""Correction of a finished relief: the most of it with which a part passes, found by tests that look at their own effect.
 
-Around the stress that is too high the relief is lowered, and to nothing on the faces the part stands on: a gap under it carries no load,
-however low it is. Until it passes it is only ever lowered, because raising some of it while lowering other places was seen to creep up to
-the limit. If lowering here and there is not enough for a part that fails, the whole relief is halved and at last removed. Lowering begins
-at all that the style asks for: masks hold back what half a relief overloads, and that is seldom what the finished one does. For the same
-reason a relief that passes, of which they held much back, is exchanged for the whole, or for what lowering leaves of that, if it passes.
+Where the part yields in a test that fails, the relief is lowered. A cut weakens a section and a raised place strengthens it, so cuts are
+filled first and raised places lowered second; a step that made more stay bent is undone and the other way is taken. Beside that one factor on
+the whole relief is tried, halved until it passes. Of all that passes the relief that keeps most is taken.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Generator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -31,17 +29,17 @@ REACH = 3.0
 """How far around an overloaded vertex relief is lowered, and over what the lowering is smoothed [mm] …"""
 EDGES = 2.0
 """… but never less than so many edges: on coarser triangles nothing but the overloaded vertex itself would be within reach."""
-LOCAL_ROUNDS = 6
-"""Lowerings here and there before the whole relief is lowered."""
-PATCH_ROUNDS = 1
-"""Of these, those that widen what the part stands on near an overload. Then it is laid flat: the impact goes from bump to bump, and what a
-part stands on decides how it bends far from there."""
-WHOLE = (0.6, 0.5, 0.0)
-"""Factors on the whole relief after that."""
-GIVE_BACK = 3
-"""Times it is tried to give back some of what was held back or lowered."""
+LOCAL_ROUNDS = 5
+"""Lowerings here and there that are tried."""
+HALVINGS = 4
+"""Factors on the whole relief that are tried, by bisection, before it is removed."""
+REFINEMENTS = 2
+"""Tries between the most that passes and the least that does not."""
 MIN_GAIN = 0.02
-"""Share of the style's relief that giving back must promise to be worth a drop."""
+"""Share of the style's relief that a try must promise to be worth a test."""
+
+Try = tuple[Field, str]
+"""A relief to be tested [mm], shape [vertex_count], and why, in words."""
 
 
 class Finding(NamedTuple):
@@ -49,86 +47,116 @@ class Finding(NamedTuple):
 
     Attributes:
         passes: Whether the part passed.
-        utilisation: Stress over what passes for sure, in the tests that do not, shape [vertex_count]; None if all do, or it is not known.
-        fails_by_drop: Whether a landing is among them: to what a load alone decides, what the part stands on is a place like any other.
+        worst: Share used of what is allowed in the worst test, above 1 where it fails; infinite if it is not known.
+        overload: Of `control.overload` in the tests that fail, shape [vertex_count]; None if all pass, or it is not known.
     """
 
     passes: bool
-    utilisation: Field | None = None
-    fails_by_drop: bool = True
+    worst: float = float("inf")
+    overload: Field | None = None
 
 
-@dataclass
+@dataclass(frozen=True)
 class Correction:
-    """The search for the most of a finished relief with which a part passes for sure.
+    """The search for the most of a finished relief with which a part passes.
 
     Attributes:
         surface: The unstylized surface.
-        wanted: The most that can be given back [mm], shape [vertex_count]: the target, or the finished relief if nothing was held back.
+        wanted: The most that can be had [mm], shape [vertex_count]: the target, or the finished relief if nothing was held back.
         kept: Share of the style's target that a relief keeps.
         standing: Whether a vertex belongs to the faces the part stands on, shape [vertex_count].
-        sure: The most relief known to pass for sure [mm], shape [vertex_count]; None as long as none does.
-        unsure: The least known not to [mm], shape [vertex_count]; None as long as none is.
-        passed: Whether any relief passed.
     """
 
     surface: SurfaceMesh
     wanted: Field
     kept: Callable[[Field], float]
     standing: Bools
-    sure: Field | None = None
-    unsure: Field | None = None
-    passed: bool = False
-    _lowered: int = 0
-    _given_back: int = 0
 
-    def tested(self, relief: Field, found: Finding) -> tuple[Field, str] | None:
-        """The relief to test next [mm] and why, in words, given what the test of one found; None if what was found so far will do."""
-        self.passed |= found.passes
-        if found.passes and found.utilisation is None:
-            self.sure = relief
-        else:
-            self.unsure = relief
-        if self.sure is not None:
-            return self._more(self.sure, found)
-        if found.utilisation is not None and self._lowered < LOCAL_ROUNDS:
-            return self._lowered_locally(relief if self._lowered else self.wanted, found.utilisation, fails_by_drop=found.fails_by_drop)
-        if self.passed:  # to be sure is worth some relief here and there, not half of all of it
-            return None
-        self._lowered = max(self._lowered, LOCAL_ROUNDS) + 1
-        if self._lowered > LOCAL_ROUNDS + len(WHOLE):
-            return None
-        factor = WHOLE[self._lowered - LOCAL_ROUNDS - 1]
-        # Adding zero turns -0 into 0: the same bytes as the unstylized part, whose simulation is remembered.
-        return relief * np.float32(factor) + np.float32(0.0), "the whole relief lowered" if factor else "the relief removed"
+    def tries(self, finished: Field, found: Finding) -> Generator[Try, Finding, None]:
+        """The reliefs to test, one after the other; what each test found is sent back.
 
-    def _more(self, sure: Field, found: Finding) -> tuple[Field, str] | None:
-        """What more than a relief that passes is to be tested, given what was just found; None if nothing is worth a test."""
-        if self._given_back == GIVE_BACK:
-            return None
-        self._given_back += 1
-        tries = []
-        if self.unsure is None:
-            tries.append((self.wanted, "all that was held back given back"))
-        else:
-            if found.utilisation is not None and self._lowered < LOCAL_ROUNDS:
-                tries.append(self._lowered_locally(self.unsure, found.utilisation, fails_by_drop=found.fails_by_drop))
-            # Half the way under the part would be a gap under all of it, and carry nothing.
-            half = np.where(self.standing, sure, 0.5 * (sure + self.unsure)).astype(np.float32)
-            tries.append((half, "half of what was too much given back"))
-        return next((tried for tried in tries if self.kept(tried[0]) - self.kept(sure) >= MIN_GAIN), None)
+        Args:
+            finished: The finished relief [mm], shape [vertex_count].
+            found: What its test found.
+        """
+        passed = finished if found.passes else None
+        failed: Field | None = None
+        if self.kept(self.wanted) - self.kept(finished) >= MIN_GAIN:  # masks hold back what half a relief overloads, not the finished one
+            whole = yield self.wanted, "all that was held back given back"
+            if whole.passes:
+                return
+            failed, found = self.wanted, whole
+        elif passed is None:
+            failed = finished
+        if failed is None:
+            return
+        local = yield from self._lowered_here_and_there(failed, found)
+        if local is not None and (passed is None or self.kept(local) > self.kept(passed)):
+            passed = local
+        scaled = yield from self._lowered_as_a_whole(failed, passed)
+        if scaled is not None:
+            passed = scaled
+        if passed is None:
+            yield failed * np.float32(0.0) + np.float32(0.0), "the relief removed"  # plus zero: -0 would be other bytes than 0
+        elif local is passed:
+            yield from self._between(passed, failed)
 
-    def _lowered_locally(self, relief: Field, used: Field, *, fails_by_drop: bool) -> tuple[Field, str]:
-        self._lowered += 1
-        taken = lowered_share(used, self._near)
-        if fails_by_drop:
-            patches = self.standing & (overload(used, self._near) > 0.0)
-            taken[patches if self._lowered <= PATCH_ROUNDS else self.standing] = 1.0
-        return (relief * (1.0 - taken)).astype(np.float32), f"relief lowered around {int((used >= 1.0).sum())} overloaded vertices"
+    def _lowered_here_and_there(self, relief: Field, found: Finding) -> Generator[Try, Finding, Field | None]:
+        """Lowered where it yields, cuts first; the first relief that passes, None if none does."""
+        fill, undone = bool((relief < 0.0).any()), 0
+        for _ in range(LOCAL_ROUNDS):
+            if found.overload is None or undone == 2:
+                return None
+            taken = lowered_share(found.overload, self._near)
+            taken[self.standing & (overload(found.overload, self._near) > 0.0)] = 1.0  # a gap under it carries no load, however low it is
+            if fill:
+                taken = np.where(relief < 0.0, taken, 0.0)
+            lowered = (relief * (1.0 - taken)).astype(np.float32)
+            if self.kept(relief) - self.kept(lowered) < LEAST_TAKEN:
+                fill, undone = not fill, undone + 1
+                continue
+            what = "cuts filled" if fill else "relief lowered"
+            result = yield lowered, f"{what} around {int((found.overload >= 1.0).sum())} places that yield"
+            if result.passes:
+                return lowered
+            if result.worst >= found.worst:  # that made it no better: undone, and the other way is taken
+                fill, undone = not fill, undone + 1
+            else:
+                relief, found, undone = lowered, result, 0
+        return None
+
+    def _lowered_as_a_whole(self, relief: Field, passed: Field | None) -> Generator[Try, Finding, Field | None]:
+        """One factor on all of the relief, as large as passes; None if none passes that keeps more than what is known to."""
+        low, high = 0.0 if passed is None else self.kept(passed) / max(self.kept(relief), 1e-9), 1.0
+        best: Field | None = None
+        for _ in range(HALVINGS if passed is None else REFINEMENTS):
+            if high - low < MIN_GAIN:
+                break
+            factor = 0.5 * (low + high)
+            lowered = relief * np.float32(factor) + np.float32(0.0)
+            result = yield lowered, f"{factor:.0%} of the whole relief"
+            if result.passes:
+                best, low = lowered, factor
+            else:
+                high = factor
+        return best
+
+    def _between(self, passed: Field, failed: Field) -> Generator[Try, Finding, None]:
+        """Half of what was taken given back, and half of that."""
+        for _ in range(REFINEMENTS):
+            half = np.where(self.standing, passed, 0.5 * (passed + failed)).astype(np.float32)
+            if self.kept(half) - self.kept(passed) < MIN_GAIN:
+                return
+            result = yield half, "half of what was taken given back"
+            passed, failed = (half, failed) if result.passes else (passed, half)
 
     @cached_property
     def _near(self) -> csr_array:
         return neighbours(self.surface.vertices, max(REACH, EDGES * self.surface.edge_length))
+
+
+LEAST_TAKEN = 0.002
+"""Share of the style's relief below which a lowering changes nothing."""
 
 
 def lowered_share(used: Field, near: csr_array) -> Field:

@@ -269,14 +269,15 @@ class Engine:
         return control.mask(demand, self.recipe.restraint.control, self.recipe.restraint.threshold) * self.bounds.freedom
 
     def _finish(self, state: Checkpoint, digest: str) -> Iterator[Event]:
-        """Correct the finished relief until it passes for sure (if the recipe asks for it), then mark the best as final."""
+        """Correct the finished relief until it passes (if the recipe asks for it), then mark the best as final."""
         assert state.verdict is not None, "the last iteration is always simulated"
         finished, best = state.displacement, state
         target = self._target()
         unheld = self.recipe.restraint.control == "none" and np.all(state.share == 1.0)
         wanted = finished if unheld else target  # what nothing held back is all that can be given back
         search = correction.Correction(self.surface, wanted, lambda relief: self._kept(relief, target), self.bounds.standing)
-        tried = self._tested(search, finished, state) if self.recipe.restraint.guarantee else None
+        tries = search.tries(finished, self._finding(state))
+        tried = next(tries, None) if self.recipe.restraint.guarantee and not self.simulator.baseline.failure else None
         while tried is not None:
             relief, words = tried
             yield Corrected(words, search.kept(relief))
@@ -287,8 +288,11 @@ class Engine:
             yield simulated
             digest, event = self._save(corrected)
             yield event
-            tried = self._tested(search, relief, corrected)
             best = corrected if self._worth(corrected, target) >= self._worth(best, target) else best
+            try:
+                tried = tries.send(self._finding(corrected))
+            except StopIteration:
+                tried = None
         if not best.final:
             digest, event = self._save(replace(best, parent=digest, keyframe=None, final=True))
             yield event
@@ -299,25 +303,22 @@ class Engine:
         """What the finished style asks for within its bounds [mm], shape [vertex_count], whatever of it the part came to."""
         return unrestrained_relief(self.stylizer.proposal().displacement, self.bounds, self.recipe)
 
-    def _tested(self, search: correction.Correction, relief: Field, state: Checkpoint) -> tuple[Field, str] | None:
-        """What a correction is to try after a relief was found to be what `state` says."""
+    def _finding(self, state: Checkpoint) -> correction.Finding:
+        """What the test of a state found, as a correction looks at it."""
         verdict = state.verdict
         assert verdict is not None, "what is corrected was simulated"
-        if verdict.outcome == "UNKNOWN":
-            return search.tested(relief, correction.Finding(passes=False))
-        unsure = self.recipe.restraint.until_sure or not verdict.passes
-        to_meet = [row for row in verdict.rows if row.decides and (row.outcome == "FAILS" or (unsure and not row.sure))]
+        worst, failing = verdict.deciding, [row for row in verdict.rows if row.decides and row.outcome == "FAILS"]
+        if worst is None or not failing:
+            return correction.Finding(verdict.passes, float("inf") if worst is None else worst.used)
         simulation = self.store.objects.get_record(state.simulation, Simulation)
-        used = control.utilisation(simulation, to_meet) if to_meet else None
-        return search.tested(relief, correction.Finding(verdict.passes, used, fails_by_drop=any(not row.load for row in to_meet)))
+        return correction.Finding(False, worst.used, control.overload(simulation, failing, self.recipe.test.material))
 
-    def _worth(self, state: Checkpoint, target: Field) -> tuple[bool, bool, float]:
-        """What makes one finished state better than another: that it passes, that it does so for sure, and how much is kept."""
+    def _worth(self, state: Checkpoint, target: Field) -> tuple[bool, float, bool]:
+        """What makes one finished state better than another: that it passes, how much is kept, and that it passes for sure."""
         if not state.passes:
-            return False, False, 0.0
+            return False, 0.0, False
         assert state.verdict is not None, "what passes was simulated"
-        settled = all(doubt.about != "limit" for doubt in state.verdict.doubts)
-        return True, settled, self._kept(state.displacement, target)
+        return True, round(self._kept(state.displacement, target), 2), state.verdict.sure
 
     def kept(self, state: Checkpoint) -> float:
         """Share of the finished style's target that a state keeps, by what can be seen of it; of every run, Freestyle as well."""

@@ -141,13 +141,12 @@ class Restraint(Chapter, frozen=True, kw_only=True):
         base: Relief on the faces the part stands on, one of BASES: none, drawn inwards so that it stands level, or as the style has it.
         inside: What becomes of the inside of a container, one of INSIDES.
         protect: Regions protected from the style.
-        guarantee: Whether the finished relief is corrected until the part passes: lowered where it is overloaded, no further than needed.
-        until_sure: Whether it is corrected as well where the part passes, but by less than the test repeats.
+        guarantee: Whether the finished relief is corrected until the part passes: lowered where it yields, no further than needed.
     """
 
     CHOICES: ClassVar[Choices] = {"control": CONTROLS, "normalisation": NORMALISATIONS, "base": BASES, "inside": INSIDES}
     LIMITS: ClassVar[Limits] = {"threshold": (0.01, 100.0)}
-    RARE: ClassVar = frozenset({"guarantee", "until_sure"})
+    RARE: ClassVar = frozenset({"guarantee"})
 
     control: str = "exponential"
     normalisation: str = "headroom"
@@ -156,7 +155,6 @@ class Restraint(Chapter, frozen=True, kw_only=True):
     inside: str = "plain"
     protect: tuple[Region, ...] = ()
     guarantee: bool = True
-    until_sure: bool = True
 
     @property
     def feedback(self) -> bool:
@@ -193,16 +191,14 @@ class StrengthTest(Chapter, frozen=True, kw_only=True):
         material: The material of the part. Kept in full, so that a library that changes leaves the recipe as it was.
         loads: Load cases the part must carry besides the drop.
         criterion: What the part is judged by, one of CRITERIA: paper is the published rule and method, which leave little of most styles.
+        tolerance: The most that may stay bent after a fall or a load [mm].
         height: Height of the fall the part is to survive [mm].
-        orientations: Landings in the final test that are not nearly flat, flat counted as the first; more than 1 are judged together.
+        orientations: Landings that are not nearly flat, flat counted as the first; each of them decides.
         poses: How these land: `fibonacci` every way, `resting` as the part comes to rest, `box26`, `box10` or `faces6` on faces, edges and
             corners of the box around it. One of POSES.
         standard: Drop standard whose orientations and height are simulated, one of STANDARDS. It brings poses, orientations and
             height unless they are given; "" for none. A verdict is no test to a standard.
         nearly_flat: Whether landings tilted by 3° onto the corners and sides of what the part stands on are judged, too.
-        hardest_only: Whether the styled part lands only in the two nearly flat ways that are hardest for the plain part. Their critical
-            heights are then estimated from one drop each, by an exponent that is usual.
-        rough: Whether drops are rougher and end sooner: steps longer, ringing shorter, and of landings that mirror each other one.
         build_direction: Direction it is printed in, x, y, z or a vector such as 0,0,1: what pulls or shears layers apart is judged by their
             own strength. None for no layers; the material must know its `layer_ratio`.
         friction: Coulomb coefficient of the floor.
@@ -216,21 +212,20 @@ class StrengthTest(Chapter, frozen=True, kw_only=True):
         "criterion": CRITERIA, "poses": POSES, "standard": ("", *STANDARDS), "element": ELEMENTS, "transfer": get_args(Transfer),
     }  # fmt: skip
     LIMITS: ClassVar[Limits] = {
-        "height": (1.0, 1e5), "orientations": (1, 512), "friction": (0.0, 2.0), "window": (0.05, 50.0), "damping": (0.0, 1.0),
+        "tolerance": (0.01, 100.0), "height": (1.0, 1e5), "orientations": (1, 512), "friction": (0.0, 2.0), "window": (0.05, 50.0), "damping": (0.0, 1.0),
     }  # fmt: skip
-    RARE: ClassVar = frozenset({"hardest_only", "rough", "friction", "element", "damping", "transfer"})
+    RARE: ClassVar = frozenset({"friction", "element", "damping", "transfer"})
 
     specimen: Specimen = Specimen()
     material: Material
     loads: tuple[LoadCase, ...] = ()
     criterion: str = "robust"
+    tolerance: float = 0.2
     height: float = 1500.0
     orientations: int = 1
     poses: str = "fibonacci"
     standard: str = ""
     nearly_flat: bool = True
-    hardest_only: bool = False
-    rough: bool = False
     build_direction: tuple[float, float, float] | None = None
     friction: float = 0.0
     window: float | None = None
@@ -360,7 +355,7 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
             found: dict[str, Any] = {}
             for name, value in recipe.settings.items():
                 found |= msgspec.structs.asdict(value) if by_figure and name == "material" else {name: value}
-            return {name: value for name, value in found.items() if name not in ("source", "layer_source")}
+            return {name: value for name, value in found.items() if name not in ("source", "yielding_source", "layer_source")}
 
         here, there = flat(self), flat(other)
         return tuple((name, value, there[name]) for name, value in here.items() if value != there[name])

@@ -11,65 +11,52 @@ from mechstyle.records.written import written
 if TYPE_CHECKING:
     from mechstyle.records.verdict import Row, Verdict
 
-COLUMNS = ("test", "plain", "styled", "asked", "reserve", "outcome")
+COLUMNS = ("test", "plain", "styled", "allowed", "strain", "outcome")
 """Headings of `table`."""
 
 EXPLANATION = (
-    "We let the plain part and the styled part fall in the same ways, in simulation.",
-    "For each way we ask: from how high may it fall before a piece as large as a cube of 4 mm is bent for good?",
-    "That height must be at least the fall you asked for, or nearly that of the plain part.",
-    "We ask the same of a load: how much of it can the part carry before a cube of 2 mm begins to yield?",
-    "If every test passes, the part HOLDS; if one passes only because the plain part survives no more, it is NO WORSE; else it FAILS.",
+    "We let the plain part and the styled part fall in the same ways, in simulation, and put the same loads on both.",
+    "Where the stress reaches the yield strength the material gives way, as the real one does.",
+    "For each fall and each load we ask: how many millimetres of bend stay when all is at rest, and does the material crack?",
+    "No more may stay than the tolerance, and nothing may crack.",
+    "If that is so in every test, the part HOLDS; if no more stays than of the plain part, it is NO WORSE; else it FAILS.",
 )
 """How the part is judged, in five sentences."""
 
 MEANINGS = {
-    "HOLDS": "The part survives the fall and the loads that were asked for.",
-    "NO WORSE": "In one test the styled part survives less than was asked for, but nearly as much as the plain part at least.",
-    "FAILS": "In one test a piece of the part is bent for good, and the plain part survives clearly more or was not compared.",
+    "HOLDS": "After every fall and load that was asked for, no more than the tolerance stays bent, and nothing cracks.",
+    "NO WORSE": "In one test more than the tolerance stays bent, but hardly more than of the plain part.",
+    "FAILS": "In one test more than the tolerance stays bent, and more than of the plain part, or the material cracks.",
     "UNKNOWN": "The test gave no answer. Never read that as survived.",
 }
 """What each outcome means."""
 
-NOT_SURE, NOT_JUDGED, NOT_TESTED = "(not sure)", "not judged", "NOT TESTED"
-"""What follows an outcome that leaves a doubt, and what replaces that of a test that does not decide, and of none."""
+NOT_SURE, NOT_TESTED = "(not sure)", "NOT TESTED"
+"""What follows an outcome that leaves a doubt, and what replaces that of no test."""
 
-HIGHEST = 10_000.0
-"""Heights above are all shown as more than this [mm]."""
+NOTHING = 0.005
+"""Permanent set that is told as none [mm]."""
 ALIKE = 0.9
 """Share of the other's relief from which on a part looks like it."""
 LITTLE = 0.7
 """Share of the style's relief below which it is said how more of it may be had."""
-SAME = 0.05
-"""Relative difference up to which two figures are about the same."""
+SAME = 0.02
+"""Difference up to which two permanent sets are about the same [mm]."""
 
 
 # --- figures ------------------------------------------------------------------------------------------------------
 
 
-def length(height: float) -> str:
-    """A height [mm] in the unit a person would use."""
-    if height > HIGHEST:
-        return f"more than {HIGHEST / 1000:.0f} m"
-    if height >= 995.0:
-        return f"{height / 1000:.1f} m" if height < 9950.0 else "10 m"
-    return f"{height / 10:.0f} cm" if height >= 9.5 else f"{height:.0f} mm"
+def bend(permanent_set: float) -> str:
+    """A permanent set [mm] as it is told."""
+    if permanent_set < NOTHING:
+        return "0 mm"
+    return f"{permanent_set:.2f} mm" if permanent_set < 9.95 else f"{permanent_set:.0f} mm"
 
 
 def stress(value: float | None, limit: float | None) -> str:
     """A stress and its limit, a dash where there was no answer."""
     return "–" if value is None or limit is None else f"{value:.1f} of {limit:.1f} MPa"
-
-
-def _value(row: Row, value: float) -> str:
-    """A height or a factor."""
-    return length(value) if row.height is not None else f"{value:.2f} ×"
-
-
-def _figures(row: Row, verdict: Verdict) -> str:
-    """What plain and styled part survive."""
-    survives = _value(row, row.survived)
-    return survives if row.original is None else f"plain {_value(row, row.original)}, {verdict.style or 'styled'} {survives}"
 
 
 def duration(seconds: float) -> str:
@@ -96,50 +83,47 @@ def short(verdict: Verdict) -> str:
 
 
 def head(verdict: Verdict) -> str:
-    """The outcome in one sentence, and the material in another."""
+    """The outcome in one sentence: what was asked, the worst that stays bent, where, and in which test."""
     decides = verdict.deciding
     if decides is None or verdict.outcome == "UNKNOWN":
         return f"UNKNOWN: {verdict.failure.rstrip('.')}."
     if decides.test == "published rule":
+        assert decides.stress is not None, "the published rule reads a stress"
         side = "at most" if decides.outcome == "HOLDS" else "above"
         strength = f"the {verdict.strength:.1f} MPa at which {verdict.material} yields"
         return f"{verdict.outcome} by the published rule: the largest element stress is {decides.stress:.1f} MPa, {side} {strength}."
-    return f"{verdict.outcome} {_clauses(verdict)}. Solid {verdict.material}, which yields at {verdict.strength:.1f} MPa."
+    loads = [row.load for row in verdict.rows if row.load]
+    asked = f"a fall of {written(verdict.fall)}"
+    if verdict.outcome == "FAILS":
+        asked = f"the load {decides.load!r}" if decides.load else asked
+    elif loads:
+        asked += f" and the load {loads[0]!r}" if len(loads) == 1 else f" and {len(loads)} loads"
+    outcome = "NO WORSE than the plain part in" if verdict.outcome == "NO WORSE" else verdict.outcome
+    return f"{outcome} {asked}: {_at_worst(decides, verdict)}. Solid {verdict.material}."
 
 
-def _clauses(verdict: Verdict) -> str:
-    """What a part holds, or in what it is no worse than the plain part, or what it fails; and how it lands flat if it passes that."""
-    flat = verdict.rows[0]
-    if verdict.outcome == "HOLDS":  # of several loads the one that is nearest to its limit is named
-        loads = sorted((row for row in verdict.rows if row.test == "load"), key=lambda row: row.reserve)
-        if len(loads) > 1:
-            return f"{_clause(flat, verdict)} and all {len(loads)} loads, of which {_clause(loads[0], verdict)} has the least reserve"
-        return " and ".join(_clause(row, verdict) for row in (flat, *loads))
-    decide = [row for row in verdict.rows if row.decides and row.outcome == verdict.outcome]
-    if verdict.outcome == "NO WORSE":
-        clauses = [f"flat it holds {_clause(flat, verdict)}"] if flat.outcome == "HOLDS" else []
-        for row in decide:
-            below = f"below {written(verdict.fall)}" if row.height is not None else "before all of it acts"
-            clauses.append(f"{_where(row)} it begins to yield {below} ({_figures(row, verdict)})")
-        return f"than the plain part: {'; '.join(clauses)}"
-    fails = ", and also ".join([_clause(decide[0], verdict), *(f"{_where(row)} ({_figures(row, verdict)})" for row in decide[1:])])
-    if flat in decide:
-        return fails
-    passes = "it holds" if flat.outcome == "HOLDS" else "it is no worse than the plain part in"
-    return f"{fails}; flat {passes} {_clause(flat, verdict)}"
+def _at_worst(row: Row, verdict: Verdict) -> str:
+    """What stays bent in the worst test, where, and beside the plain part."""
+    if row.collapses:
+        known = "" if row.carries is None else f", at {row.carries:.2f} times the load"
+        return f"the part gives way {row.place}{known}".replace("  ", " ")
+    if row.permanent_set < NOTHING and verdict.outcome == "HOLDS":
+        return "nothing stays bent"
+    place = f" {row.place}" if row.place else ""
+    figures = [f"plain part {bend(row.plain_permanent_set)}"] if row.plain_permanent_set is not None else []
+    if verdict.outcome != "HOLDS":
+        figures.append(f"{bend(row.allowed)} allowed")
+    cracks = f", and it cracks there: {row.plastic_strain:.1%} of strain where {row.elongation:.1%} break it" if row.cracks else ""
+    beside = f" ({', '.join(figures)})" if figures else ""
+    at_worst = "at worst " if verdict.outcome == "HOLDS" else ""
+    return f"{at_worst}{bend(row.permanent_set)} stays bent{place}, {_landed(row)}{beside}{cracks}"
 
 
-def _clause(row: Row, verdict: Verdict) -> str:
-    """What is asked of a part in a test, and what it survives."""
-    what = f"the load {row.load!r}" if row.load else f"a fall of {written(verdict.fall)}"
-    where = "" if row.test in ("flat", "load") else f" {_where(row)}"
-    figures = _figures(row, verdict)
-    return f"{what}{where} ({figures if row.original is not None else f'it survives {figures}'})"
-
-
-def _where(row: Row) -> str:
-    """A test in the middle of a sentence."""
-    return {"load": f"under the load {row.load!r}", "any landing": "in the mean of other landings"}.get(row.test, row.landing)
+def _landed(row: Row) -> str:
+    """The test of a row in the middle of a sentence."""
+    if row.load:
+        return f"under the load {row.load!r}"
+    return row.landing if row.landing.startswith("tilted") else f"landing {row.landing}" if row.landing == "flat" else f"landing on {row.landing}"
 
 
 def doubt(verdict: Verdict) -> str:
@@ -148,16 +132,13 @@ def doubt(verdict: Verdict) -> str:
     def listed(words: Sequence[str]) -> str:
         return " and ".join([*([", ".join(words[:-1])] if len(words) > 1 else []), words[-1]])
 
-    reasons, tests, near = list[str](), list[str](), [one for one in verdict.doubts if one.about == "limit"]
-    for one in near:
-        test = {"load": f"the load {one.load!r}", "published rule": "the published rule"}.get(one.test, one.landing or one.test)
-        share = abs(one.value - 1.0)
-        tests.append(f"{test} {'passes' if one.value >= 1.0 else 'fails'} by {f'{share:.0%}' if share >= 0.005 else 'less than 1%'}")
+    reasons, near = list[str](), [one for one in verdict.doubts if one.about == "limit"]
     if near:
-        dropped, loaded = any(not one.load for one in near), any(one.load for one in near)
-        ways = " or ".join(["less relief"] * bool(verdict.style) + ["a lower fall"] * dropped + ["a smaller load"] * loaded)
-        repeats = "the test repeats" if len(near) == 1 else "these tests repeat"
-        reasons.append(f"{listed(tests)}, closer than {repeats}; {f'ask for {ways}' if verdict.passes else f'{ways} may pass'}")
+        tests = [{"load": f"the load {one.load!r}", "published rule": "the published rule"}.get(one.test, one.landing) for one in near]
+        several = f"{len(tests)} tests" if len(tests) > 3 else listed(tests)
+        side, many = "pass" if verdict.passes else "fail", len(near) > 1
+        changes = f"{several} {side if many else f'{side}es' if verdict.passes else f'{side}s'} more closely than the test repeats"
+        reasons.append(f"{changes}; another mesh may say otherwise")
     missed = list[str]()
     for one in verdict.doubts:
         if one.about == "relief":
@@ -178,8 +159,8 @@ def table(verdict: Verdict) -> list[tuple[str, ...]]:
     """The table of tests as text, a row each, under COLUMNS; a dash stands for what is not known."""
     return [
         (
-            _label(row), "–" if row.original is None else _value(row, row.original), _value(row, row.survived),
-            written(row.asked) if row.height is not None else "1 ×", f"{row.reserve - 1.0:+.0%}", _judged(row),
+            label(row), "–" if row.plain_permanent_set is None else bend(row.plain_permanent_set), found(row), allowed(row),
+            "–" if row.stress is not None else f"{row.plastic_strain:.1%}", row.outcome,
         )
         for row in verdict.rows
     ]  # fmt: skip
@@ -188,50 +169,52 @@ def table(verdict: Verdict) -> list[tuple[str, ...]]:
 def tabulated(verdict: Verdict) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
     """Headings and rows of the table of tests; a part that is tested by itself has one column of figures."""
     rows = table(verdict)
-    if any(row.original is not None for row in verdict.rows):
+    if any(row.plain_permanent_set is not None for row in verdict.rows):
         return COLUMNS, rows
-    headings = tuple({"styled": "survives"}.get(name, name) for name in COLUMNS if name != "plain")
+    headings = tuple({"styled": "stays bent"}.get(name, name) for name in COLUMNS if name != "plain")
     return headings, [(row[0], *row[2:]) for row in rows]
 
 
 def in_full(verdict: Verdict) -> str:
     """How a part is judged, the outcome, every figure of the table and the doubt, a line each."""
-    headings, found = tabulated(verdict)
-    lines = [f"{row[0]}: {', '.join(f'{name} {cell}' for name, cell in zip(headings[1:], row[1:], strict=True))}" for row in found]
+    headings, rows = tabulated(verdict)
+    lines = [f"{row[0]}: {', '.join(f'{name} {cell}' for name, cell in zip(headings[1:], row[1:], strict=True))}" for row in rows]
     return "\n".join(filter(None, (" ".join(EXPLANATION), head(verdict), *lines, doubt(verdict))))
 
 
-def survived(verdict: Verdict) -> dict[str, str]:
-    """What a part survives in each test, by the name of the test."""
-    return {_kind(row): _value(row, row.survived) for row in verdict.rows}
+def stays_bent(verdict: Verdict) -> dict[str, str]:
+    """What stays bent in each test, by the name of the test."""
+    return {label(row): found(row) for row in verdict.rows}
 
 
 def paired(styled: Sequence[Verdict]) -> list[tuple[str, ...]]:
-    """The tests of several runs of one part, a row each: test, what the plain part survives, what each run's does, what is asked."""
-    found = dict.fromkeys((row.test, row.load) for verdict in styled for row in verdict.rows)
+    """The tests of several runs of one part, a row each: test, the plain part, each run, and what is allowed."""
+    tests = dict.fromkeys((row.landing, row.load) for verdict in styled for row in verdict.rows)
     lines = []
-    for test, load in sorted(found, key=lambda kind: kind[0] == "published rule"):
-        rows = [verdict.row(test, load) for verdict in styled]
+    for landing, load in tests:
+        rows = [verdict.row(landing=landing, load=load) for verdict in styled]
         there = [row for row in rows if row is not None]
-        plain = next((_value(row, row.original) for row in there if row.original is not None), "–")
-        cells = ("–" if row is None else f"{_value(row, row.survived)} {_judged(row)}" for row in rows)
-        asked = written(there[0].asked) if there[0].height is not None else "1 ×"
-        lines.append((_kind(there[0]), plain, *cells, asked))
+        plain = next((bend(row.plain_permanent_set) for row in there if row.plain_permanent_set is not None), "–")
+        cells = ("–" if row is None else f"{found(row)} {row.outcome}" for row in rows)
+        lines.append((label(there[0]), plain, *cells, allowed(there[0])))
     return lines
 
 
-def _kind(row: Row) -> str:
-    """A test without the landing that decides it."""
-    return f"load {row.load}" if row.load else row.test
+def label(row: Row) -> str:
+    """A test as a table names it."""
+    return f"load {row.load}" if row.load else "published rule" if row.test == "published rule" else row.landing
 
 
-def _label(row: Row) -> str:
-    """A test as a table names it, with the landing that decides it."""
-    return f"{row.test}: {row.landing}" if row.test in ("nearly flat", "any landing") else _kind(row)
+def found(row: Row) -> str:
+    """What a test found, in a cell."""
+    if row.stress is not None:
+        return f"{row.stress:.1f} MPa"
+    return "gives way" if row.collapses else bend(row.permanent_set) + (", cracks" if row.cracks else "")
 
 
-def _judged(row: Row) -> str:
-    return row.outcome if row.decides else NOT_JUDGED
+def allowed(row: Row) -> str:
+    """What a test allows, in a cell."""
+    return f"{row.limit:.1f} MPa" if row.limit is not None else bend(row.allowed)
 
 
 # --- before a run -------------------------------------------------------------------------------------------------
@@ -274,32 +257,40 @@ def weighed(styled: float, plain: float) -> str:
 
 
 def least(verdict: Verdict) -> str:
-    """What plain and styled part survive in the test with the least reserve, "" where there is none."""
+    """What stays bent of plain and styled part in the worst test, "" where there is none."""
     row = verdict.deciding
-    return "" if row is None else f"{_label(row)}: {_figures(row, verdict)}"
+    if row is None:
+        return ""
+    plain = "" if row.plain_permanent_set is None else f"plain {bend(row.plain_permanent_set)}, {verdict.style or 'styled'} "
+    return f"{label(row)}: {plain}{found(row)}"
+
+
+def carried(row: Row) -> str:
+    """How much of a load the part carries, "" for a landing."""
+    if row.carries is None:
+        return ""
+    return f"it carries {'at least ' if row.most_tried else ''}{row.carries:.2f} times the load {row.load!r}"
 
 
 def side_by_side(names: tuple[str, str], verdicts: tuple[Verdict, Verdict], kept: tuple[float | None, float | None]) -> str:
-    """How two runs of one part and style compare, in two short sentences: how they look, and what each survives where they differ most.
+    """How two runs of one part and style compare, in two short sentences: how they look, and what stays bent where they differ most.
 
     `kept` are the shares of the relief that are left, None where that is not known.
     """
-    pairs = [(one, other) for one in verdicts[0].rows if one.decides and (other := verdicts[1].row(one.test, one.load)) is not None]
+    pairs = [(one, other) for one in verdicts[0].rows if (other := verdicts[1].row(landing=one.landing, load=one.load)) is not None]
     if not pairs or any(verdict.outcome == "UNKNOWN" for verdict in verdicts):
         return "One of the two gave no answer, so there is nothing to compare."
-    first, second = min(pairs, key=lambda pair: min(row.reserve for row in pair))
+    first, second = max(pairs, key=lambda pair: max(row.used for row in pair))
     alike, (free, fed) = "", kept
     if free is not None and fed is not None and free > 0.0:
         alike = "Both look alike. " if fed >= ALIKE * free else f"{names[1]} keeps {fed:.0%} of the relief, {names[0]} {free:.0%}. "
-    asked = written(verdicts[0].fall) if first.height is not None else "once"
-    what = f"carry the load {first.load!r}" if first.load else "pass the published rule" if first.height is None else "fall from"
-    where = {"nearly flat": ", landing nearly flat", "any landing": ", landing any way up"}.get(first.test, "")
-    here, there = (length(row.survived) if row.height is not None else f"{row.survived:.2f} times" for row in (first, second))
-    again = "from " if first.height is not None else ""
-    survive = f"{names[0]} may {what} {here}, {names[1]} {again}{there}{where}"
-    if abs(second.survived - first.survived) <= SAME * max(first.survived, second.survived):
-        survive = f"{names[0]} and {names[1]} may both {what} {here}{where}"
-    return f"{alike}{survive}; {asked} was asked for."
+    if first.stress is not None:
+        return f"{alike}Largest stress: {names[0]} {found(first)}, {names[1]} {found(second)}; {allowed(first)} is allowed."
+    where = _landed(first)
+    compared = f"{found(first)} of {names[0]} and {found(second)} of {names[1]} stay bent, {where}"
+    if abs(second.permanent_set - first.permanent_set) <= SAME and not (first.cracks or second.cracks or first.collapses or second.collapses):
+        compared = f"Of both {found(first)} stays bent, {where}"
+    return f"{alike}{compared}; {allowed(first)} is allowed."
 
 
 def little_left(kept: float, side: str) -> str:
@@ -310,29 +301,17 @@ def little_left(kept: float, side: str) -> str:
 
 
 def least_left(lane: str, verdict: Verdict, stresses: Mapping[str, float]) -> str:
-    """What a mark at the place with the least reserve says; `stresses` are those of each lane there [MPa]."""
+    """What a mark at the worst place says; `stresses` are those of each lane there [MPa]."""
     known = ", ".join(f"{name} {there:.0f} MPa" for name, there in stresses.items())
-    return f"✕ marks where {lane} has least left ({least(verdict)}); stress there, each in the test that decides: {known}."
+    return f"✕ marks where {lane} stays bent most ({least(verdict)}); stress there, each in its worst test: {known}."
 
 
 def note(verdict: Verdict) -> str:
-    """The outcome in a few words, and the stress of the test that decides: a line under a picture of that test."""
+    """The outcome in a few words, and the figures of the test that decides: a line under a picture of that test."""
     row = verdict.deciding
     return "UNKNOWN: this test gave no answer" if row is None else f"{marked(short(verdict), sure=verdict.sure)}; {figures(row)}"
 
 
 def figures(row: Row) -> str:
-    """The stress of a test and what it may at most be."""
-    if row.test == "any landing":
-        return f"{row.landing}; the mean of all other landings is {stress(row.stress, row.limit)}"
-    return f"{named(row)}: {stress(row.stress, row.limit)}"
-
-
-def most(row: Row) -> str:
-    """What a picture of a test says of its greatest stress: what is judged, which all that is above it is shown as."""
-    return f"{'largest in an element' if row.test == 'published rule' else 'σ_V'} {row.stress:.1f} MPa"
-
-
-def named(row: Row) -> str:
-    """The landing or load that a picture of a test shows."""
-    return {"load": f"load {row.load}", "published rule": "published rule"}.get(row.test, row.landing)
+    """What a test found and what it allows."""
+    return f"{label(row)}: {found(row)} of {allowed(row)}"

@@ -16,10 +16,6 @@ Way = Literal["flat", "nearly flat", "any landing"]
 """How a part lands: as placed, tilted by a few degrees, or in some other direction."""
 WAYS: tuple[Way, ...] = get_args(Way)
 
-LEAST_HEIGHT, GREATEST_HEIGHT = 1.0, 1e5
-"""Heights of fall that are simulated [mm]; a critical height beyond is given as the nearer of the two."""
-
-
 class Landing(msgspec.Struct, frozen=True, kw_only=True):
     """One drop.
 
@@ -27,13 +23,12 @@ class Landing(msgspec.Struct, frozen=True, kw_only=True):
         name: Name of the landing.
         way: Its kind, one of `Way`.
         normal: Floor normal in the frame of the part, out of the floor.
-        stress: σ_V, the stress that more than V0 of the part exceed [MPa]; see `fea.stressed_volume`.
-        maximum: Largest stress at a point of an element [MPa], which the published rule alone reads.
-        where: Centre of what exceeds σ_V [mm].
         fall: Height of the fall [mm].
-        critical_height: Critical drop height: from there σ_V is the yield strength [mm].
-        exponent: p of σ_V ∝ height^p between the fall and the critical height; 1/2 for a flat impact, which is homogeneous in its speed.
-        retried: Drops from other heights that the critical height rests on; 0 where it follows from this one.
+        permanent_set: What stays bent [mm]: the displacement that a small volume exceeds when all has come to rest; see `fea.permanent_set`.
+        plastic_strain: Plastic strain in tension that such a volume exceeds, beside the material's elongation at break.
+        where: Centre of the largest piece that stays bent by that much [mm].
+        place: The same in words, such as "at the top on the right"; "" where nothing stays bent.
+        maximum: Largest stress at a point of an element [MPa], which the published rule alone reads.
         touches: Speed of the touching point at the start of each phase that was simulated [mm/ms = m/s].
         ended: Why it was followed no further, in words.
     """
@@ -41,33 +36,54 @@ class Landing(msgspec.Struct, frozen=True, kw_only=True):
     name: str
     way: Way
     normal: Place
-    stress: float
-    maximum: float
-    where: Place
     fall: float
-    critical_height: float
-    exponent: float = 0.5
-    retried: int = 0
+    permanent_set: float
+    plastic_strain: float
+    where: Place
+    place: str = ""
+    maximum: float
     touches: tuple[float, ...] = ()
     ended: str = ""
 
 
 class LoadResult(msgspec.Struct, frozen=True, kw_only=True):
-    """Result of one load case.
+    """One load case: put on, held and taken off.
 
     Attributes:
         name: Name of the case.
-        stress: σ_V, the stress that more than V0 of the part exceed [MPa].
+        permanent_set, plastic_strain, where, place: As those of a landing.
         maximum: Largest stress at a point of an element [MPa].
-        where: Centre of what exceeds σ_V [mm].
-        deflection: Largest displacement [mm].
+        deflection: Largest displacement under the load [mm].
+        factor: Times the load up to which no more than the tolerance stays bent.
+        reached: Whether the part gave way there; if not, it was loaded no further.
+        collapses: Whether it comes to no rest under the load: it buckles, or a hinge forms.
     """
 
     name: str
-    stress: float
-    maximum: float
+    permanent_set: float
+    plastic_strain: float
     where: Place
+    place: str = ""
+    maximum: float
     deflection: float
+    factor: float
+    reached: bool = True
+    collapses: bool = False
+
+
+LEVELS = ((0.15, "at the foot"), (0.4, "low"), (0.6, "halfway up"), (0.85, "high up"), (1.0, "at the top"))
+"""How high a place is, by its share of the height."""
+ASIDE = 0.35
+"""Share of the half width from which a place is on a side."""
+
+
+def place_in_words(where: Place, low: Place, high: Place) -> str:
+    """A place of a part in words: how high, and on which side, the front at -y; all in mm, the part from `low` to `high`."""
+    size = [max(top - bottom, 1e-9) for bottom, top in zip(low, high, strict=True)]
+    x, y, z = ((at - bottom) / length for at, bottom, length in zip(where, low, size, strict=True))
+    level = next((words for share, words in LEVELS if z <= share), LEVELS[-1][1])
+    sides = [names[value > 0.5] for value, names in ((y, ("front", "back")), (x, ("left", "right"))) if abs(2.0 * value - 1.0) > ASIDE]
+    return f"{level} {'on' if len(sides) == 1 and sides[0] in ('left', 'right') else 'at'} the {' '.join(sides)}" if sides else level
 
 
 LEAST_CARRIED = 0.9
@@ -75,6 +91,11 @@ LEAST_CARRIED = 0.9
 
 VOLUME_ERROR = 0.03
 """Relative difference of volume from the surface's above which tetrahedra are not used, or leave a doubt."""
+
+
+def _none() -> NDArray[np.float32]:
+    """The field of no test."""
+    return np.zeros((0, 0), np.float32)
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,8 +106,10 @@ class Simulation:
         displacement: What was simulated [mm], shape [vertex_count]: the request, less what the tetrahedra could not follow.
         landings: What each drop did, flat first; none if the test failed.
         landing_stress: Largest von Mises stress over time at the surface, a mean over 2 mm [MPa], shape [landing_count, vertex_count].
+        landing_strain: Plastic strain there in the end, shape [landing_count, vertex_count].
+        landing_set: What stays bent [mm], shape [landing_count, vertex_count, 3]: displacement of the surface, motion as a whole taken out.
         loads: What each load case did.
-        load_stress: Stress at the surface under each [MPa], shape [case_count, vertex_count].
+        load_stress, load_strain, load_set: The same of each load case.
         contact: Whether the surface there touched the floor in the flat landing, shape [vertex_count].
         backed_off: Share of the surface whose displacement the morph had to reduce.
         deviation: Largest such reduction [mm].
@@ -106,9 +129,13 @@ class Simulation:
     displacement: NDArray[np.float32]
     contact: NDArray[np.bool_]
     landings: tuple[Landing, ...] = ()
-    landing_stress: NDArray[np.float32] = field(default_factory=lambda: np.zeros((0, 0), np.float32))
+    landing_stress: NDArray[np.float32] = field(default_factory=_none)
+    landing_strain: NDArray[np.float32] = field(default_factory=_none)
+    landing_set: NDArray[np.float32] = field(default_factory=_none)
     loads: tuple[LoadResult, ...] = ()
-    load_stress: NDArray[np.float32] = field(default_factory=lambda: np.zeros((0, 0), np.float32))
+    load_stress: NDArray[np.float32] = field(default_factory=_none)
+    load_strain: NDArray[np.float32] = field(default_factory=_none)
+    load_set: NDArray[np.float32] = field(default_factory=_none)
     backed_off: float = 0.0
     deviation: float = 0.0
     time_step: float = 0.0
@@ -127,9 +154,12 @@ class Simulation:
         count = len(self.displacement)
         for name, kind in (("displacement", np.float32), ("contact", np.bool_)):
             object.__setattr__(self, name, frozen_array(getattr(self, name), kind, (count,), name))
-        for name, results in (("landing_stress", self.landings), ("load_stress", self.loads)):
-            values = np.asarray(getattr(self, name), np.float32).reshape(len(results), count)
-            object.__setattr__(self, name, frozen_array(values, np.float32, (len(results), count), name))
+        for kind, results in (("landing", self.landings), ("load", self.loads)):
+            for what, more in (("stress", ()), ("strain", ()), ("set", (3,))):
+                name, shape = f"{kind}_{what}", (len(results), count, *more)
+                given = np.asarray(getattr(self, name), np.float32)
+                values = np.zeros(shape, np.float32) if given.size == 0 else given.reshape(shape)
+                object.__setattr__(self, name, frozen_array(values, np.float32, shape, name))
 
     @property
     def flat(self) -> Landing | None:
@@ -150,9 +180,21 @@ class Simulation:
 
     def stress_of(self, *, landing: str = "", load: str = "") -> NDArray[np.float32]:
         """Stress at the surface in one landing or under one load [MPa], shape [vertex_count]; zero where there was no such test."""
-        fields, results, name = (self.load_stress, self.loads, load) if load else (self.landing_stress, self.landings, landing)
+        return self._field("stress", landing, load)
+
+    def strain_of(self, *, landing: str = "", load: str = "") -> NDArray[np.float32]:
+        """Plastic strain at the surface after one landing or load, shape [vertex_count]; zero where there was no such test."""
+        return self._field("strain", landing, load)
+
+    def set_of(self, *, landing: str = "", load: str = "") -> NDArray[np.float32]:
+        """What stays bent of the surface after one landing or load [mm], shape [vertex_count, 3]; zero where there was no such test."""
+        return self._field("set", landing, load)
+
+    def _field(self, what: str, landing: str, load: str) -> NDArray[np.float32]:
+        results, name = (self.loads, load) if load else (self.landings, landing)
+        fields: NDArray[np.float32] = getattr(self, f"{'load' if load else 'landing'}_{what}")
         names = [one.name for one in results]
-        return fields[names.index(name)] if name in names else np.zeros(len(self.displacement), np.float32)
+        return fields[names.index(name)] if name in names else np.zeros(fields.shape[1:], np.float32)
 
     @property
     def stress(self) -> NDArray[np.float32]:

@@ -1,4 +1,4 @@
-"""What people write: heights of fall with a unit or in millimetres, and small TOML and JSON files."""
+"""What people write: lengths with a unit or in millimetres, and small TOML and JSON files."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def length_of(value: str | float) -> float:
 
     BadInput if it is no height, or a number without a unit that is too small to be meant in millimetres.
     """
-    number, unit = _read(value)
+    number, unit = _read(value, "a height", HOW)
     if unit not in ("", *UNITS):
         raise BadInput(f"a height is in m, cm or mm, not in {unit!r:.40}: {HOW}")
     length = number * UNITS.get(unit, 1.0)
@@ -38,6 +38,25 @@ def length_of(value: str | float) -> float:
     return length
 
 
+SMALL_UNITS = {"mm": 1.0, "µm": 1e-3, "μm": 1e-3, "um": 1e-3, "cm": 10.0}
+"""Units that a tolerance may be written in [mm]."""
+HOW_SMALL = 'write "0.2 mm" or "200 µm"'
+
+
+def tolerance_of(value: str | float) -> float:
+    """What may stay bent [mm]: "0.2 mm", "200 µm", or a number of millimetres.
+
+    BadInput if it is no length above 0, or in a unit that nobody measures a bend in.
+    """
+    number, unit = _read(value, "a tolerance", HOW_SMALL)
+    if unit not in ("", *SMALL_UNITS):
+        raise BadInput(f"a tolerance is in mm or µm, not in {unit!r:.40}: {HOW_SMALL}")
+    tolerance = number * SMALL_UNITS.get(unit, 1.0)
+    if not 0.0 < tolerance < math.inf:
+        raise BadInput(f"a tolerance of {f'{number:g} {unit}'.rstrip()} is none: {HOW_SMALL}")
+    return tolerance
+
+
 def written(length: float) -> str:
     """A length [mm] as `length_of` reads it, to the last digit, in the unit that a person would use: 1500 is "1.5 m"."""
     for unit in ("m", "cm"):
@@ -47,13 +66,13 @@ def written(length: float) -> str:
     return f"{length!r} mm".replace(".0 mm", " mm")
 
 
-def _read(value: object) -> tuple[float, str]:
-    """Number and unit of what was given; BadInput if it is neither a number nor text that begins with one."""
+def _read(value: object, what: str, how: str) -> tuple[float, str]:
+    """Number and unit of what was given; BadInput, which says what was asked and how, if it is no number with or without a unit."""
     if isinstance(value, int | float) and not isinstance(value, bool):
         return (math.inf if abs(value) > 1e300 else float(value)), ""  # a whole number may be too large for a float
     found = _WRITTEN.fullmatch(value.strip().lower()) if isinstance(value, str) else None
     if found is None:
-        raise BadInput(f"cannot read {value!r:.60} as a height: {HOW}")
+        raise BadInput(f"cannot read {value!r:.60} as {what}: {how}")
     number, unit = found.groups()
     if _TWO_WAYS.fullmatch(number):
         ways = f"{number.replace(',', '')} or as {number.replace(',', '.')}"

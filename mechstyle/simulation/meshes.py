@@ -26,9 +26,6 @@ from mechstyle.simulation.part import Shape, at_rest, carrying
 SEEN = 0.01
 """Relief below which a place has none [mm]: no printer shows it."""
 
-SAME_PART = 0.02
-"""Relief that tetrahedra may keep on the way back to the plain part, over its local wall: what is bent then reads 4 % more or less."""
-
 
 class Followed(NamedTuple):
     """How well tetrahedra have the shape of a styled surface.
@@ -97,16 +94,6 @@ class Body:
         """What moves the tetrahedra with the surface."""
         return Morph(self.shape.surface, self.tets, self.at)
 
-    @cached_property
-    def is_the_plain_part(self) -> bool:
-        """Whether without relief they have the shape of the plain part: its volume, and so little left that no wall is another.
-
-        What is left is averaged over 2 mm, as over less there is no volume that counts.
-        """
-        back = self.morph.morphed(np.zeros(len(self.shape.surface.vertices), np.float32))
-        left = self.shape.smooth(np.abs(back.followed).astype(np.float64)) / self.shape.walls.thickness
-        return bool(left.max() <= SAME_PART) and self.followed(back).enough
-
     def followed(self, morphed: Morphed) -> Followed:
         """How well the moved tetrahedra have the shape of the surface they follow.
 
@@ -137,9 +124,19 @@ class Body:
         """Whether vertices of the surface touch, from whether nodes do, shape [vertex_count]."""
         return self._transfer.to_surface(contact.astype(np.float64)) > 0.5
 
-    def stress_at_surface(self, nodal: Floats) -> NDArray[np.float32]:
-        """Stress at the nodes brought to the surface and averaged over 2 mm along it [MPa], shape [vertex_count]."""
+    def field_at_surface(self, nodal: Floats) -> NDArray[np.float32]:
+        """Stress or strain at the nodes brought to the surface and averaged over 2 mm along it, shape [vertex_count]."""
         return self.shape.smooth(self._transfer.to_surface(nodal)).astype(np.float32)
+
+    def displacement_at_surface(self, nodal: Floats) -> NDArray[np.float32]:
+        """Displacement of the nodes [mm] brought to the surface, shape [vertex_count, 3]."""
+        return np.stack([self._smooth_transfer.to_surface(nodal[:, axis]) for axis in range(3)], axis=1).astype(np.float32)
+
+    @cached_property
+    def _smooth_transfer(self) -> Transfer:
+        """A displacement is interpolated, whatever the method of stress: steps in it would be steps in the surface."""
+        smooth = Transfer(self.shape.surface.displaced(self.morph.at), self.tets)
+        return self._transfer if self.transfer == smooth.method else smooth
 
 
 def slope(wanted: Floats, found: Floats, weights: Floats) -> float | None:

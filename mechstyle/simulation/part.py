@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 from mechstyle._files import cache_folder
 from mechstyle.errors import BadInput, unknown
 from mechstyle.fea.explicit import no_progress
-from mechstyle.fea.stressed_volume import Walls
 from mechstyle.geometry.cancelling import CancelCheck, meanwhile, never_cancel
 from mechstyle.geometry.inside_outside import is_container, is_inside, sky_seen
 from mechstyle.geometry.level_base import LevelBase
@@ -148,11 +147,6 @@ class Shape:
     def smooth(self) -> SurfaceMean:
         """A mean over 2 mm along the surface."""
         return SurfaceMean(self.surface)
-
-    @cached_property
-    def walls(self) -> Walls:
-        """Walls of the part, by which small volumes of thin members count."""
-        return Walls(self.surface.vertices, self.thickness)
 
     @cached_property
     def seen(self) -> NDArray[np.float32]:

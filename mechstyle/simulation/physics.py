@@ -15,22 +15,12 @@ from mechstyle.fea.drop import DropTest
 from mechstyle.fea.elements import element_named
 from mechstyle.fea.linear_solvers import lowest_period
 from mechstyle.fea.orientations import Orientations, landings
-from mechstyle.geometry.proximity import TriangleTree
 from mechstyle.loop.objects import Memo
 from mechstyle.records import Recipe
-from mechstyle.records.mesh import Floats, SurfaceMesh, TetMesh
+from mechstyle.records.mesh import SurfaceMesh, TetMesh
 
-PHYSICS_VERSION = 20
+PHYSICS_VERSION = 21
 """Counts changes that alter results, so that remembered simulations of older code are not reused."""
-
-
-ROUGH: dict[str, Any] = {"added_mass": 0.01, "quiet": 0.5}
-"""What a rough drop differs in."""
-
-SAME_PART, SAME_PLACE = 0.0015, 0.02
-"""Distance of a part that is turned or mirrored from itself, on average and at most, over its size, up to which it is the same: of 30
-parts of 2000 vertices the symmetries leave 0.0013 and 0.016, a hook on one side of a winder 0.024 at most, the lobes of a vase 0.0036 on
-average. What is smaller than 0.02 of the size is not seen."""
 
 
 def prescribed(recipe: Recipe) -> DropTest:
@@ -38,48 +28,17 @@ def prescribed(recipe: Recipe) -> DropTest:
     test = recipe.test
     return DropTest(
         height=test.height, friction=test.friction, window=test.window, damping=test.damping, element=test.element,
-        across=test.across_layers, **(ROUGH if test.rough else {}),
+        across=test.across_layers, plastic=test.criterion != "paper",
     )  # fmt: skip
 
 
 def landings_of(surface: SurfaceMesh, recipe: Recipe) -> Orientations:
-    """The landings that a recipe prescribes for a part; of those that mirror each other a rough test has the first.
+    """The landings that a recipe prescribes for a part.
 
     The surface is the part's without relief [mm], closed; BadInput as for `orientations.landings`.
     """
     test = recipe.test
-    every = landings(surface, test.poses, test.orientations, nearly_flat=test.nearly_flat)
-    if not test.rough or any(test.across_layers[:2]):  # layers that do not lie level know left from right
-        return every
-    tree, kept = TriangleTree(surface.vertices, surface.faces), list[int]()
-    for number, (normal, way) in enumerate(zip(every.normals, every.ways, strict=True)):
-        others = (every.normals[other] for other in kept if every.ways[other] == way)
-        if not any(mirrored(surface, tree, normal, other) for other in others):
-            kept.append(number)
-    return Orientations(every.normals[kept], tuple(every.names[n] for n in kept), tuple(every.ways[n] for n in kept))
-
-
-def mirrored(surface: SurfaceMesh, tree: TriangleTree, normal: Floats, other: Floats) -> bool:
-    """Whether a turn about the vertical, or an upright mirror, brings a part onto itself and one landing onto another.
-
-    Args:
-        surface: The part [mm].
-        tree: Its triangles.
-        normal: Floor normal of the one landing, a unit vector in the frame of the part, shape [3].
-        other: That of the other, shape [3].
-    """
-    if abs(normal[2] - other[2]) > 1e-9:
-        return False
-    one, there = complex(*normal[:2]), complex(*other[:2])
-    centre = np.array([*surface.centre_of_mass[:2], 0.0])
-    from_axis = surface.vertices - centre
-    place = from_axis[:, 0] + 1.0j * from_axis[:, 1]
-    turned, reflected = place * there / one, place.conj() * there / one.conjugate()
-    for moved in (turned, reflected):
-        away = tree.nearest(np.column_stack([moved.real, moved.imag, from_axis[:, 2]]) + centre).distance
-        if away.max() < SAME_PLACE * surface.size and np.average(away, weights=surface.vertex_areas) < SAME_PART * surface.size:
-            return True
-    return False
+    return landings(surface, test.poses, test.orientations, nearly_flat=test.nearly_flat)
 
 
 def physics(recipe: Recipe) -> tuple[Any, ...]:
