@@ -71,7 +71,7 @@ def overload(simulation: Simulation, rows: Sequence[Row], material: Material) ->
 LEAST_EXCESS = 0.1
 """Overload of a test that all but passes, so that something is lowered …"""
 AT_REST = 0.85
-"""… and share of its stress that a place which does not yield counts with: what yields comes first, and this where nothing at the surface does."""
+"""… and share of its stress with which a place counts that does not yield: it matters only where nothing at the surface does."""
 
 
 def normalised(stress: Field, original: Field, limit: Field | np.float32, largest: float, material: Material, normalisation: str) -> Field:

@@ -1,8 +1,8 @@
 """Correction of a finished relief: the most of it with which a part passes, found by tests that look at their own effect.
 
 Where the part yields in a test that fails, the relief is lowered. A cut weakens a section and a raised place strengthens it, so cuts are
-filled first and raised places lowered second; a step that made more stay bent is undone and the other way is taken. Beside that one factor on
-the whole relief is tried, halved until it passes. Of all that passes the relief that keeps most is taken.
+filled first and raised places lowered second; a step that made more stay bent is undone and the other way is taken. Beside that one
+factor on the whole relief is tried. Of all that passes the relief that keeps most is taken.
 """
 
 from __future__ import annotations

@@ -86,7 +86,7 @@ def _mismatch(material: Material) -> str:
         meant = _likely("youngs_modulus", young)
         return f"youngs_modulus is {young:g} MPa, softer than any solid with a Poisson's ratio of {material.poisson_ratio:g}{meant}"
     if material.hardening > young:
-        return f"hardening is {material.hardening:g} MPa, more than youngs_modulus with {young:g} MPa: past yield a solid is softer than before"
+        return f"hardening is {material.hardening:g} MPa, above youngs_modulus with {young:g} MPa: past yield a solid is softer than before"
     if material.elongation > STIFF_ELONGATION and young > STIFF:
         likely = _four_digits(0.01 * material.elongation)
         return f"elongation is {material.elongation:g}, which is {material.elongation:.0%}; it looks like per cent: write {likely}"

@@ -141,7 +141,7 @@ class Restraint(Chapter, frozen=True, kw_only=True):
         base: Relief on the faces the part stands on, one of BASES: none, drawn inwards so that it stands level, or as the style has it.
         inside: What becomes of the inside of a container, one of INSIDES.
         protect: Regions protected from the style.
-        guarantee: Whether the finished relief is corrected until the part passes: lowered where it yields, no further than needed.
+        guarantee: Whether the finished relief is corrected until the part passes: lowered where it yields, no more than needed.
     """
 
     CHOICES: ClassVar[Choices] = {"control": CONTROLS, "normalisation": NORMALISATIONS, "base": BASES, "inside": INSIDES}
@@ -212,7 +212,8 @@ class StrengthTest(Chapter, frozen=True, kw_only=True):
         "criterion": CRITERIA, "poses": POSES, "standard": ("", *STANDARDS), "element": ELEMENTS, "transfer": get_args(Transfer),
     }  # fmt: skip
     LIMITS: ClassVar[Limits] = {
-        "tolerance": (0.01, 100.0), "height": (1.0, 1e5), "orientations": (1, 512), "friction": (0.0, 2.0), "window": (0.05, 50.0), "damping": (0.0, 1.0),
+        "tolerance": (0.01, 100.0), "height": (1.0, 1e5), "orientations": (1, 512), "friction": (0.0, 2.0), "window": (0.05, 50.0),
+        "damping": (0.0, 1.0),
     }  # fmt: skip
     RARE: ClassVar = frozenset({"friction", "element", "damping", "transfer"})
 

@@ -123,7 +123,9 @@ def _landed(row: Row) -> str:
     """The test of a row in the middle of a sentence."""
     if row.load:
         return f"under the load {row.load!r}"
-    return row.landing if row.landing.startswith("tilted") else f"landing {row.landing}" if row.landing == "flat" else f"landing on {row.landing}"
+    if row.test == "nearly flat":
+        return row.landing
+    return f"landing {row.landing}" if row.test == "flat" else f"landing on {row.landing}"
 
 
 def doubt(verdict: Verdict) -> str:
@@ -287,8 +289,8 @@ def side_by_side(names: tuple[str, str], verdicts: tuple[Verdict, Verdict], kept
     if first.stress is not None:
         return f"{alike}Largest stress: {names[0]} {found(first)}, {names[1]} {found(second)}; {allowed(first)} is allowed."
     where = _landed(first)
-    compared = f"{found(first)} of {names[0]} and {found(second)} of {names[1]} stay bent, {where}"
-    if abs(second.permanent_set - first.permanent_set) <= SAME and not (first.cracks or second.cracks or first.collapses or second.collapses):
+    compared, broken = f"{found(first)} of {names[0]} and {found(second)} of {names[1]} stay bent, {where}", (first, second)
+    if abs(second.permanent_set - first.permanent_set) <= SAME and not any(row.cracks or row.collapses for row in broken):
         compared = f"Of both {found(first)} stays bent, {where}"
     return f"{alike}{compared}; {allowed(first)} is allowed."
 

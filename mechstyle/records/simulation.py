@@ -16,6 +16,7 @@ Way = Literal["flat", "nearly flat", "any landing"]
 """How a part lands: as placed, tilted by a few degrees, or in some other direction."""
 WAYS: tuple[Way, ...] = get_args(Way)
 
+
 class Landing(msgspec.Struct, frozen=True, kw_only=True):
     """One drop.
 
@@ -24,7 +25,7 @@ class Landing(msgspec.Struct, frozen=True, kw_only=True):
         way: Its kind, one of `Way`.
         normal: Floor normal in the frame of the part, out of the floor.
         fall: Height of the fall [mm].
-        permanent_set: What stays bent [mm]: the displacement that a small volume exceeds when all has come to rest; see `fea.permanent_set`.
+        permanent_set: What stays bent [mm]: the displacement that a small volume exceeds in the end; see `fea.permanent_set`.
         plastic_strain: Plastic strain in tension that such a volume exceeds, beside the material's elongation at break.
         where: Centre of the largest piece that stays bent by that much [mm].
         place: The same in words, such as "at the top on the right"; "" where nothing stays bent.

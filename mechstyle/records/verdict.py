@@ -256,9 +256,9 @@ def _row(found: Landing | LoadResult, plain: Landing | LoadResult | None, recipe
         outcome = "HOLDS"
     elif plain is not None and found.permanent_set <= allowed and cracks <= plain_cracks and collapses <= plain_collapses:
         outcome = "NO WORSE"
+    which = {"test": "load", "load": found.name} if isinstance(found, LoadResult) else {"test": found.way, "landing": found.name}
     return Row(
-        test="load" if isinstance(found, LoadResult) else found.way, outcome=outcome, landing="" if isinstance(found, LoadResult) else found.name,
-        load=found.name if isinstance(found, LoadResult) else "", permanent_set=found.permanent_set, allowed=allowed,
+        **which, outcome=outcome, permanent_set=found.permanent_set, allowed=allowed,
         plain_permanent_set=None if plain is None else plain.permanent_set, plastic_strain=found.plastic_strain,
         plain_plastic_strain=None if plain is None else plain.plastic_strain, elongation=elongation, cracks=cracks, collapses=collapses,
         carries=found.factor if isinstance(found, LoadResult) else None, most_tried=isinstance(found, LoadResult) and not found.reached,
