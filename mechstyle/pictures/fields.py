@@ -1,9 +1,6 @@
 """The table of what can be looked at on a part: how each quantity is called, measured, scaled and set apart above a threshold.
 
 Figures, viewer, replay and report read it, so that a field has one label, one unit and one threshold wherever it is shown.
-
-What is shown is what is judged: stress above σ_V is shown as σ_V. What exceeds it has less than the volume V0, and how much is read there
-hangs on the mesh.
 """
 
 from __future__ import annotations
@@ -21,13 +18,11 @@ from mechstyle.records import Checkpoint, Recipe, Row, Simulation, Verdict, sent
 ROOM_ABOVE = 1.05
 """Least end of the colours over the threshold, so that what lies above it can be seen on the bar."""
 
-MOMENT = "moment"
-"""Name of the stress at one moment of an impact."""
+BENT_ABOVE = 1.5
+"""End of the colours of what stays bent over what is allowed: a part that gives way is hatched, and its neighbours still told apart."""
 
-SPARE = 4.0
-"""Safety factor at the pale end of its colours: what is above it is in no danger."""
-AMPLE = 10.0
-"""Greatest safety factor that is given; more of it, up to that of no stress at all, is of no use to anybody."""
+MOMENT, STAYS_BENT = "moment", "stays_bent"
+"""Names of the stress at one moment of an impact, and of what stays bent in the test that decides."""
 
 DEMAND_LABELS = {
     "headroom": "demand: stress reserve used up", "own_max": "demand: stress over original's peak",
@@ -51,16 +46,13 @@ class Quantity:
     stored: str = ""  # name of the stored array it is made from; "" for that of its own name
     formed: Callable[[NDArray[Any]], NDArray[Any]] | None = None  # makes it from that array, None if it is that array
     said: Callable[[float], str] | None = None  # how a value at one place is put in words; as a figure with its unit if None
-    # reads the array from a simulation, where that holds it for several tests; None if it is an array of the simulation
+    # reads it from a simulation, which holds it for several tests; None if it is an array of the simulation
     tested: Callable[[Simulation], NDArray[Any]] | None = None
-    # what is judged of it; values above are shown as this, and it stands for them on the bar; None if all are shown
-    judged: float | None = None
-    most: str = ""  # words beside the greatest value, "" for that value
+    title: str = ""  # what a button or a menu calls it; "" for its name
+    edge: str = "limit"  # what its threshold is
 
-    @property
-    def title(self) -> str:
-        """What a button or a menu calls it."""
-        return TITLES.get(self.name, self.name.replace("_", " "))
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "title", self.title or self.name.replace("_", " "))
 
     @property
     def source(self) -> str:
@@ -74,7 +66,7 @@ class Quantity:
     def of(self, state: object) -> NDArray[Any]:
         """Its values in a checkpoint or a simulation, shape [vertex_count]."""
         if self.tested is not None and isinstance(state, Simulation):
-            return self.made(self.tested(state))
+            return self.tested(state)
         return self.made(getattr(state, self.source))
 
     def limits(self, values: ArrayLike) -> tuple[float, float] | None:
@@ -90,26 +82,32 @@ class Quantity:
         return None if self.least is None else (min(low, self.least[0]), max(high, self.least[1]))
 
 
-def stress(limit: float, row: Row | None = None) -> Quantity:
-    """Stress against what it may at most be [MPa], as far as the row of its test judges it; all of it without one."""
-    return _against(limit, "stress", "von Mises stress at the surface", "MPa", row)
+def stress(strength: float, row: Row | None = None) -> Quantity:
+    """Stress against the yield strength [MPa]: of a simulation in the test of a row, as placed and under loads without one."""
+    quantity = replace(_against(strength, "stress", "von Mises stress at the surface", "MPa"), edge="yields at")
+    return quantity if row is None or row.test == "published rule" else replace(quantity, note=sentences.label(row), tested=_stress_in(row))
 
 
-def moment(limit: float, row: Row | None = None) -> Quantity:
-    """Stress at one moment of an impact against what it may at most be [MPa], as far as the row of its landing judges it."""
-    return _against(limit, MOMENT, "stress of the moment", "MPa", row)
+def stress_in(row: Row, strength: float) -> Quantity:
+    """Stress in the landing or under the load of a row against the yield strength [MPa]."""
+    named = f"stress_{re.sub('[^A-Za-z0-9]+', '_', row.name).strip('_')}"  # what any file can call it by
+    return replace(stress(strength, row), name=named, title=f"stress, {row.name}", label=f"von Mises stress, {sentences.label(row)}")
 
 
-def safety_factor(strength: float, row: Row | None = None) -> Quantity:
-    """Yield strength [MPa] over stress, in the test that decides, as far as its row judges it."""
-    most = np.inf if row is None else _judged(row) or np.inf
+def moment(strength: float) -> Quantity:
+    """Stress at one moment of an impact against the yield strength [MPa]."""
+    return replace(_against(strength, MOMENT, "stress of the moment", "MPa"), title="stress of the moment", edge="yields at")
 
-    def factor(stress: NDArray[Any]) -> NDArray[Any]:
-        return np.minimum(strength / np.clip(stress, strength / AMPLE, most), AMPLE).astype(np.float32)
+
+def stays_bent(row: Row) -> Quantity:
+    """What stays bent of the surface in the test of a row against what is allowed there [mm]."""
+
+    def length(simulation: Simulation) -> NDArray[np.float32]:
+        return np.asarray(np.linalg.norm(simulation.set_of(landing=row.landing, load=row.load), axis=1), np.float32)
 
     return Quantity(
-        "safety_factor", "safety factor: yield strength over stress", least=(SPARE, 0.0), threshold=1.0,
-        note=f"{AMPLE:.0f} stands for that and more", bounded=True, stored="stress", formed=factor,
+        STAYS_BENT, "what stays bent", "mm", (0.0, BENT_ABOVE * row.allowed), row.allowed, sentences.label(row), bounded=True, tested=length,
+        title="what stays bent", edge="allowed",
     )  # fmt: skip
 
 
@@ -118,50 +116,13 @@ def demand(recipe: Recipe) -> Quantity:
     return _against(recipe.restraint.threshold, "demand", DEMAND_LABELS[recipe.restraint.normalisation])
 
 
-def _against(threshold: float, name: str, label: str, unit: str = "", row: Row | None = None) -> Quantity:
-    """A quantity with a threshold, cut off at what its row judges."""
-    judged = None if row is None else _judged(row)
-    if row is None or judged is None:
-        return Quantity(name, label, unit, (0.0, ROOM_ABOVE * threshold), threshold)
-
-    def cut_off(values: NDArray[Any]) -> NDArray[Any]:
-        return np.minimum(values, np.float32(judged))
-
-    least = (0.0, max(ROOM_ABOVE * threshold, judged))
-    return Quantity(name, label, unit, least, threshold, formed=cut_off, judged=judged, most=sentences.most(row))
+def _against(threshold: float, name: str, label: str, unit: str = "") -> Quantity:
+    return Quantity(name, label, unit, (0.0, ROOM_ABOVE * threshold), threshold)
 
 
-def _judged(row: Row) -> float | None:
-    """The stress that a row judges [MPa]; None for a mean of several landings, of which none has it."""
-    return None if row.test == "any landing" else row.stress
+def _stress_in(row: Row) -> Callable[[Simulation], NDArray[np.float32]]:
+    return lambda simulation: simulation.stress_of(landing=row.landing, load=row.load)
 
-
-def flat_stress(row: Row) -> Quantity:
-    """Stress of the flat landing against the limit of its row [MPa]."""
-    quantity = _against(row.limit, "flat_stress", "stress of the flat landing", "MPa", row)
-    return replace(quantity, note=row.landing, tested=lambda simulation: simulation.stress_of(landing=row.landing))
-
-
-def nearly_flat_stress(row: Row) -> Quantity:
-    """Largest stress of the nearly flat landings against the limit of their row [MPa]."""
-
-    def largest(simulation: Simulation) -> NDArray[np.float32]:
-        fields = [simulation.stress_of(landing=landing.name) for landing in simulation.of("nearly flat")]
-        return np.maximum.reduce(fields) if fields else np.zeros(len(simulation.displacement), np.float32)
-
-    quantity = _against(row.limit, "nearly_flat_stress", "largest stress of the nearly flat landings", "MPa", row)
-    return replace(quantity, note=f"all of them; {row.landing} decides", tested=largest)
-
-
-def load_stress(row: Row) -> Quantity:
-    """Stress under a load against the limit of its row [MPa]; what no file could call it by becomes `_` in its name."""
-    name = f"load_{re.sub('[^A-Za-z0-9]+', '_', row.load)}"
-    quantity = _against(row.limit, name, f"stress under the load {row.load!r}", "MPa", row)
-    return replace(quantity, tested=lambda simulation: simulation.stress_of(load=row.load))
-
-
-TESTS: dict[str, Callable[[Row], Quantity]] = {"flat": flat_stress, "nearly flat": nearly_flat_stress, "load": load_stress}
-"""What makes the field of a row, by its test."""
 
 RESTRAINT = Quantity(
     "restraint", "share of movement held back", least=(0.0, 1.0), note="1 = may not move any further", stored="mask",
@@ -169,30 +130,25 @@ RESTRAINT = Quantity(
 )  # fmt: skip
 DISPLACEMENT = Quantity("displacement", "displacement along the normal", "mm", note="positive is outwards", mirrored=True)
 ADDED = Quantity("added", "added along the normal", "mm", least=(0.0, 0.1), note="what strengthening put on")
-THICKNESS = Quantity("thickness", "wall thickness", "mm")
+THICKNESS = Quantity("thickness", "wall thickness", "mm", title="wall thickness")
 CONTACT = Quantity(
     "contact", "touched the floor", least=(0.0, 1.0), note="1 = touched the floor as placed",
-    said=lambda value: "yes" if value >= 0.5 else "no",
+    said=lambda value: "yes" if value >= 0.5 else "no", title="touched the floor",
 )  # fmt: skip
 
 
-TITLES = {
-    "safety_factor": "safety factor", "thickness": "wall thickness", "contact": "touched the floor", "flat_stress": "stress, flat",
-    "nearly_flat_stress": "stress, nearly flat", MOMENT: "stress of the moment",
-}  # fmt: skip
-"""What a menu calls a quantity, where that is not its name."""
-
-
 def quantities(recipe: Recipe, verdict: Verdict | None) -> tuple[Quantity, ...]:
-    """The fields every checkpoint holds, in the order in which they are offered.
+    """The fields of a checkpoint and its last simulation, in the order in which they are offered.
+
+    What stays bent is among them where the verdict knows a test of it; it alone is no array of a checkpoint.
 
     Args:
         recipe: The recipe in force there.
         verdict: The newest verdict there, None before the first.
     """
-    strength, row = recipe.test.material.yield_strength, None if verdict is None else verdict.deciding
-    against = stress(strength if row is None else row.limit, row)
-    return against, safety_factor(strength, row), RESTRAINT, demand(recipe), DISPLACEMENT
+    row = None if verdict is None else verdict.deciding
+    bent = () if row is None or row.test == "published rule" else (stays_bent(row),)
+    return stress(recipe.test.material.yield_strength, row), *bent, RESTRAINT, demand(recipe), DISPLACEMENT
 
 
 @dataclass(frozen=True, eq=False)
@@ -224,28 +180,19 @@ def known(
         verdict: The newest verdict there, None before the first.
     """
     when = "" if state.simulated_at == state.iteration else f"simulated at iteration {state.simulated_at}"
-    row = None if verdict is None else verdict.deciding
-    aged = {DISPLACEMENT.name: "", RESTRAINT.name: "", "demand": when}
-    seen = {DISPLACEMENT.name: [newest.displacement]}
-    decides = _joined(None if row is None else sentences.named(row), when)
-    held = [
-        Known.of(quantity, quantity.of(state), *seen.get(quantity.name, ()), note=aged.get(quantity.name, decides))
-        for quantity in (in_the_test(one, row) for one in quantities(recipe, verdict))
-    ]
-    held.append(Known.of(THICKNESS, thickness))
+    found = list[Known]()
+    for quantity in quantities(recipe, verdict):
+        aged = quantity.name not in (DISPLACEMENT.name, RESTRAINT.name)
+        note = ", ".join(filter(None, (quantity.note, when if aged else "")))
+        more = [newest.displacement] if quantity.name == DISPLACEMENT.name else []
+        if quantity.name != STAYS_BENT:
+            found.append(Known.of(quantity, quantity.of(state), *more, note=note))
+        elif simulation is not None:
+            found.append(Known.of(quantity, quantity.of(simulation), note=note))
+    found.append(Known.of(THICKNESS, thickness))
     if simulation is not None:  # which alone knows contact, and the stress of each test that has a row
         rows = () if verdict is None or simulation.failure else verdict.rows
-        found = [CONTACT, *(TESTS[row.test](row) for row in rows if row.test in TESTS)]
-        held += [Known.of(quantity, quantity.of(simulation), note=_joined(quantity.note, when)) for quantity in found]
-    return tuple(held)
-
-
-def in_the_test(quantity: Quantity, row: Row | None) -> Quantity:
-    """A quantity made from the stress of a checkpoint, as it is read from a simulation: in the test that decides."""
-    if quantity.source != "stress" or row is None or row.test == "published rule":
-        return quantity
-    return replace(quantity, tested=lambda simulation: simulation.stress_of(landing=row.landing, load=row.load))
-
-
-def _joined(*notes: str | None) -> str:
-    return ", ".join(filter(None, notes))
+        strength = recipe.test.material.yield_strength
+        of_tests = [CONTACT, *(stress_in(row, strength) for row in rows if row.test != "published rule")]
+        found += [Known.of(one, one.of(simulation), note=", ".join(filter(None, (one.note, when)))) for one in of_tests]
+    return tuple(found)

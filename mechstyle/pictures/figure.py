@@ -30,10 +30,8 @@ DPI = 100.0
 INK, FAINT = "#1c1c1e", "#5f5f66"
 GAP, MARGIN, TITLE, PANEL_TITLE, NOTE, BAR = 14, 18, 44, 30, 20, 102  # heights and gaps [pixels]
 BAR_WIDTH, BAR_HEIGHT = 360, 13
-FieldKey = tuple[str, str, tuple[float, float] | None, float | None]
-"""Label, unit, limits and threshold of a field."""
-CROWDED = 0.12
-"""How near to the value that stands for all above it no other stands under the bar, as a share of it."""
+FieldKey = tuple[str, str, tuple[float, float] | None, float | None, str]
+"""Label, unit, limits, threshold and its name of a field."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,14 +48,12 @@ class Panel:
     threshold: float | None = None  # values above it are hatched and outlined, None for no threshold
     view: str | Camera = "three_quarter"  # one of `camera.VIEWS`, or the very camera
     note: str = ""  # a line under the picture
-    # value that stands for itself and all above it, None if all are shown; the bar marks the greatest of its panels
-    judged: float | None = None
-    most: str = ""  # words at the greatest value; "" for that value
+    edge: str = "limit"  # what the threshold is
 
     @property
     def field(self) -> FieldKey | None:
         """What panels of one colour bar share; None without values."""
-        return None if self.values is None else (self.label, self.unit, self.limits, self.threshold)
+        return None if self.values is None else (self.label, self.unit, self.limits, self.threshold, self.edge)
 
 
 def figure(
@@ -103,8 +99,7 @@ def figure(
         if shows is not None and panel.unit:
             _mark_extremes(axes, panel, camera)
     for index, (field, scale) in enumerate(scales.items()):
-        judged = max((panel.judged for panel in panels if panel.field == field and panel.judged is not None), default=None)
-        _draw_bar(page.bar_axes(sheet, index), field[0], field[1], scale, judged)
+        _draw_bar(page.bar_axes(sheet, index), field[0], field[1], scale, field[-1])
     return sheet
 
 
@@ -213,7 +208,7 @@ def _mark_extremes(axes: Axes, panel: Panel, camera: Camera) -> None:
         for edge, wide in (("white", 3.2), (INK, 1.4)):
             axes.plot(x, y, marker, ms=size + 2, mfc="none", mec=edge, mew=wide, alpha=faint)
         words = f"{kind} {values[vertex]:.3g}{' ' + panel.unit if panel.unit else ''}"
-        words = f"{panel.most if panel.most and kind == 'max' else words}{' (far side)' if hidden else ''}"
+        words += " (far side)" if hidden else ""
         # Next to the mark, towards the middle of the panel and clear of other words if they can be.
         right, inwards = x < width / 2, -1 if y < height / 2 else 1
         label = axes.annotate(words, (x, y), xytext=(0, 0), textcoords="offset points", size=9, color=INK)
@@ -228,7 +223,7 @@ def _mark_extremes(axes: Axes, panel: Panel, camera: Camera) -> None:
         taken.append(box)
 
 
-def _draw_bar(axes: Axes, label: str, unit: str, scale: Scale, judged: float | None) -> None:
+def _draw_bar(axes: Axes, label: str, unit: str, scale: Scale, edge: str) -> None:
     width, height = _pixels(axes)
     values = np.tile(np.linspace(scale.low, scale.high, width), (height, 1))
     colours = linear_to_srgb(scale.colours(values))
@@ -236,11 +231,6 @@ def _draw_bar(axes: Axes, label: str, unit: str, scale: Scale, judged: float | N
     axes.imshow(colours, extent=(scale.low, scale.high, 0, 1), aspect="auto", interpolation="none")
     axes.set_yticks([])
     axes.xaxis.set_major_locator(MaxNLocator(6))
-    if judged is not None:
-        room = CROWDED * abs(scale.high - scale.low)
-        places = [place for place in MaxNLocator(6).tick_values(scale.low, scale.high) if scale.low <= place <= scale.high]
-        places = [*(place for place in places if abs(place - judged) > room), judged]
-        axes.set_xticks(places, [*(f"{place:g}" for place in places[:-1]), f"≥ {judged:.3g}"])
     axes.tick_params(labelsize=9, length=3, color=FAINT, labelcolor=INK)
     for side in axes.spines.values():
         side.set_visible(False)
@@ -249,5 +239,5 @@ def _draw_bar(axes: Axes, label: str, unit: str, scale: Scale, judged: float | N
     if scale.split:
         axes.axvline(scale.top, ymin=-0.3, ymax=1.35, color=INK, linewidth=1.4, clip_on=False)
         place = (scale.top - scale.low) / (scale.high - scale.low)
-        axes.text(min(place, 1.0), 1.35, f"limit {scale.top:.3g}", transform=axes.transAxes, size=9.5, weight="bold", color=INK,
+        axes.text(min(place, 1.0), 1.35, f"{edge} {scale.top:.3g}", transform=axes.transAxes, size=9.5, weight="bold", color=INK,
                   va="bottom", ha="right" if place > 0.5 else "left")

@@ -1,4 +1,4 @@
-"""Panels of a checkpoint: styled surface, stress, restraint."""
+"""Panels of a part: styled surface, stress, what stays bent, restraint."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from mechstyle._files import write_whole
 from mechstyle.errors import BadInput, unknown
 from mechstyle.pictures import fields
 from mechstyle.pictures.fields import Known, Quantity
-from mechstyle.records import Checkpoint, Recipe, Verdict, sentences
+from mechstyle.records import Checkpoint, Recipe, Row, Simulation, Verdict, sentences
 from mechstyle.records.mesh import SurfaceMesh
 
 
@@ -59,32 +59,61 @@ def field_panel(
 
     return Panel(
         mesh, title or quantity.name, values, quantity.unit, quantity.label, quantity.limits(values), quantity.threshold, view, note,
-        quantity.judged, quantity.most,
+        quantity.edge,
     )  # fmt: skip
 
 
-def checkpoint_panels(
-    original: SurfaceMesh, state: Checkpoint, recipe: Recipe, measured: Verdict | None, measured_at: int | None
-) -> list[Panel]:
-    """Styled look, stress of the last test that gave an answer, and mask of a checkpoint, side by side.
+DRAWN = 0.06
+"""What stays bent is drawn about this large, over the size of the part …"""
+FACTORS = (1, 2, 5, 10, 20, 50, 100)
+"""… by one of these factors."""
 
-    `measured` is the verdict of that test, at an iteration, None if none gave an answer; if a later one failed, the picture says so.
+
+def exaggeration(bend: float, size: float) -> int:
+    """Factor by which a bend [mm] of a part of this size [mm] is drawn."""
+    return max(factor for factor in FACTORS if factor == 1 or factor * bend <= DRAWN * size)
+
+
+def bent_panel(surface: SurfaceMesh, simulation: Simulation, row: Row, *, title: str = "what stays bent") -> Panel:
+    """A part in the shape that it keeps after the test of a row, exaggerated, coloured by how far it is off [mm]."""
+    bend, quantity = simulation.set_of(landing=row.landing, load=row.load), fields.stays_bent(row)
+    values = quantity.of(simulation)
+    factor = exaggeration(float(values.max()), surface.size)
+    shape = surface.moved(surface.vertices + np.float32(factor) * bend)
+    return field_panel(shape, quantity, values, title=title, note=f"{sentences.figures(row)}; bend drawn × {factor}")
+
+
+def stress_note(surface: SurfaceMesh, stress: NDArray[Any], strength: float, row: Row | None) -> str:
+    """Of which test a picture of stress [MPa] is, shape [vertex_count], and how much of the surface yields in it."""
+    share = float(surface.vertex_areas @ (stress > strength) / surface.vertex_areas.sum())
+    test = "as placed" if row is None or row.test == "published rule" else sentences.label(row)
+    return f"{test}: {f'{max(share, 0.001):.1%} of the surface yields' if share else 'nothing yields at the surface'}"
+
+
+def checkpoint_panels(
+    original: SurfaceMesh, state: Checkpoint, recipe: Recipe, measured: Verdict | None, measured_at: int | None, simulation: Simulation | None
+) -> list[Panel]:
+    """Styled look with its outcome, stress and what stays bent in the worst test, and mask of a checkpoint, side by side.
+
+    `measured` is the verdict of the last test that gave an answer, `simulation`, at an iteration; None if none gave one. If a later one
+    failed, the picture says so.
     """
     from mechstyle.pictures.figure import Panel  # noqa: PLC0415 — as above
 
     styled = original.displaced(state.displacement).coloured(state.colour)
     when = "" if measured_at in (None, state.iteration) else f" (iteration {measured_at})"
-    row = None if measured is None else measured.deciding
-    note = "" if row is None else sentences.figures(row)
+    row, note = None if measured is None else measured.deciding, ""
     if state.verdict is not None:
         note = sentences.note(state.verdict)
     elif measured_at != state.simulated_at:
         note = f"UNKNOWN: the later test at iteration {state.simulated_at} gave no answer"
     stress = fields.quantities(recipe, measured)[0]
-    return [
-        Panel(styled, f"“{recipe.style.prompt}”"), field_panel(styled, stress, stress.of(state), title=f"stress{when}", note=note),
-        field_panel(styled, fields.RESTRAINT, fields.RESTRAINT.of(state), note=f"{state.restrained.mean():.0%} restrained"),
-    ]  # fmt: skip
+    of_stress = stress_note(styled, state.stress, recipe.test.material.yield_strength, row)
+    panels = [Panel(styled, f"“{recipe.style.prompt}”", note=note), field_panel(styled, stress, state.stress, title=f"stress{when}", note=of_stress)]
+    if row is not None and row.test != "published rule" and simulation is not None:
+        panels.append(bent_panel(styled, simulation, row, title=f"what stays bent{when}"))
+    held = f"{state.restrained.mean():.0%} restrained"
+    return [*panels, field_panel(styled, fields.RESTRAINT, fields.RESTRAINT.of(state), note=held)]
 
 
 def chosen_panels(styled: SurfaceMesh, found: Sequence[Known], wanted: Sequence[str]) -> list[Panel]:
@@ -116,24 +145,3 @@ def picture(panels: Sequence[Panel], *, title: str = "", columns: int | None = N
     from mechstyle.pictures.figure import figure_png  # noqa: PLC0415 — as above
 
     return Picture(figure_png(panels, title=title, columns=columns))
-
-
-def comparison(original: SurfaceMesh, start: Checkpoint, finals: Sequence[tuple[str, Checkpoint, Recipe]]) -> Picture:
-    """The plain part next to several results of one prompt: look above, stress of the test that decides below and from underneath.
-
-    Each result has a name, its last checkpoint and its recipe; `start` is the checkpoint of the plain part.
-    """
-    from mechstyle.pictures.figure import Panel  # noqa: PLC0415 — as above
-
-    rows: list[list[Panel]] = [[], [], []]
-    shown = [("plain part", start, finals[0][2]), *finals]
-    stresses = [fields.quantities(recipe, state.verdict)[0] for _, state, recipe in shown]
-    highest = max(high for stress, (_, state, _) in zip(stresses, shown, strict=True) for high in (stress.limits(stress.of(state)) or ()))
-    for stress, (name, state, _) in zip(stresses, shown, strict=True):
-        styled = original.displaced(state.displacement).coloured(state.colour)
-        rows[0].append(Panel(styled, name))
-        for row, view, title in ((1, "three_quarter", "stress"), (2, "below", "from below")):
-            note = sentences.note(state.verdict) if row == 1 and state.verdict is not None else ""
-            panel = field_panel(styled, stress, stress.of(state), title=title, note=note, view=view)
-            rows[row].append(replace(panel, limits=(0.0, highest)))
-    return picture([panel for row in rows for panel in row], title=f"“{finals[0][2].style.prompt}”", columns=len(shown))

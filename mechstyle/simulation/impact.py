@@ -1,35 +1,36 @@
-"""The impact of a checkpoint, moment by moment, on the surface: how it deforms and where the stress runs."""
+"""The impact of a test, moment by moment, on the surface: how it deforms, where the stress runs, and the shape that it keeps."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from mechstyle.errors import SimulationFailed
+from mechstyle.fea.elements import element_named
 from mechstyle.fea.explicit import Progress, no_progress
-from mechstyle.fea.orientations import UP
+from mechstyle.fea.orientations import FLAT, UP
+from mechstyle.fea.permanent_set import at_nodes
 from mechstyle.fea.snapshots import snapshots
-from mechstyle.fea.stressed_volume import at_nodes
-from mechstyle.geometry.morph import Morph
-from mechstyle.geometry.transfer import SurfaceMean, Transfer
-from mechstyle.loop.objects import Memo
-from mechstyle.records import Recipe
+from mechstyle.loop.control import YIELDED
+from mechstyle.records import Recipe, Simulation
 from mechstyle.records.mesh import Floats, SurfaceMesh
 from mechstyle.records.regions import Point
-from mechstyle.simulation.part import Workpiece, at_rest
-from mechstyle.simulation.physics import PHYSICS_VERSION, memo_key, period_of, physics, prescribed
+from mechstyle.simulation.physics import PHYSICS_VERSION, memo_key, physics, prescribed
+from mechstyle.simulation.simulator import DropSimulator
 
 
 @dataclass(frozen=True, eq=False)
 class Impact:
-    """One drop of a part, through all its phases, in the frame of the part as it was at first touch.
+    """One drop of a part, through all its phases, in the frame of the part as it was at first touch; last, the shape that it keeps.
 
     Attributes:
         time: Time since first touch, flights included, of which there are no frames [ms], shape [frames].
         displacement: How far the surface has moved since first touch, fall and all [mm], shape [frames, vertex_count, 3].
-        stress: Largest stress since the frame before [MPa], shape [frames, vertex_count], as a landing has it at the surface.
+        stress: Largest stress since the frame before [MPa], shape [frames, vertex_count], as a landing has it at the surface; with the
+            shape that it keeps, that of the whole drop.
         normal: Of the floor, out of it, in that frame.
     """
 
@@ -41,7 +42,12 @@ class Impact:
     @property
     def peak(self) -> int:
         """The frame with the largest stress, the moment one wants to see."""
-        return int(self.stress.max(axis=1).argmax())
+        return int(self.stress[:-1].max(axis=1).argmax())
+
+    @property
+    def end(self) -> int:
+        """The frame of the shape that stays."""
+        return len(self.time) - 1
 
     def shape(self, mesh: SurfaceMesh, frame: int, exaggeration: float = 1.0) -> SurfaceMesh:
         """The part at a moment, turned so that the floor is level below it, its deformation exaggerated, its motion as a whole not.
@@ -106,49 +112,47 @@ def nearest_rigid(points: Floats, moved: Floats) -> Floats:
     return np.asarray(points @ turn.T + shift)
 
 
-def impact_of(
-    part: Workpiece,
-    recipe: Recipe,
-    displacement: NDArray[np.float32],
-    memo: Memo,
-    progress: Progress = no_progress,
-    normal: Point = UP,
-) -> Impact:
-    """Drop a displaced part, as it stands by default, and keep what happens on its surface; remembered by its inputs.
+def impact_of(simulator: DropSimulator, simulation: Simulation, landing: str = FLAT, progress: Progress = no_progress) -> Impact:
+    """Drop a part as it was tested once more, on the same tetrahedra, and keep what happens on its surface; remembered by its inputs.
 
     Args:
-        part: The prepared part.
-        recipe: What decides the physics.
-        displacement: Of a checkpoint [mm], shape [vertex_count].
-        memo: Where the answer is remembered.
+        simulator: Of the part, and what decides the physics.
+        simulation: The test.
+        landing: Name of one of its landings.
         progress: Called with the fraction done; may raise to cancel.
-        normal: Of the floor, out of it, in the frame of the part, as `Landing.normal` has it.
 
     Raises:
-        SimulationFailed: If the drop breaks down.
+        SimulationFailed: If there is no such landing, or the drop breaks down.
     """
-    key = impact_key(recipe, displacement, normal)
-    known = memo.recall(key, Impact)
+    landed = simulation.landing(landing)
+    if landed is None:
+        raise SimulationFailed(simulation.failure or f"there was no landing {landing!r}: choose one of those that were tested")
+    key = impact_key(simulator.recipe, simulation, landed.normal)
+    known = simulator.memo.recall(key, Impact)
     if known is not None:
         return known
-    if part.at is not None and not np.any(displacement):
-        part = replace(part, tets=at_rest(part.surface), at=None)
-    morph = Morph(part.surface, part.tets, part.at)
-    tets = morph.morphed(displacement).tets
-    period = period_of(lambda: part.tets if part.at is None else at_rest(part.surface), recipe, memo)
-    seen = snapshots(tets, recipe.test.material, prescribed(recipe), normal=normal, progress=progress, period=period)
-    made_for = part.surface if part.at is None else part.surface.displaced(part.at)
-    smooth = Transfer(made_for, part.tets)
-    of_stress = smooth if recipe.test.transfer == smooth.method else Transfer(made_for, part.tets, recipe.test.transfer)
-    moved = [np.stack([smooth.to_surface(frame[:, axis]) for axis in range(3)], axis=1) for frame in seen.displacement]
-    mean = SurfaceMean(part.surface)
-    stress = [mean(of_stress.to_surface(at_nodes(tets, corners))) for corners in seen.corners]
-    impact = Impact(seen.time, np.array(moved, np.float32), np.array(stress, np.float32), normal)
-    memo.remember(key, impact)
+    meshes, material, test = simulator.meshes, simulator.recipe.test.material, prescribed(simulator.recipe)
+    body = meshes.known(simulation.mesh) or meshes.plain[0]
+    if body.tets.digest != simulation.mesh:
+        raise SimulationFailed("the tetrahedra of this test are gone: test the part again")
+    tets, element = body.morph.morphed(simulation.displacement).tets, element_named(test.element)
+    seen = snapshots(tets, material, test, normal=landed.normal, progress=progress, period=simulator.period)
+    moved = [body.displacement_at_surface(frame) for frame in seen.displacement]
+    stress = np.stack([body.field_at_surface(at_nodes(tets, element.at_corners(points))) for points in seen.von_mises])
+    if test.plastic:  # as `flow_stress` has it: what does not yield is at most at the yield strength
+        yields = simulation.strain_of(landing=landing) > YIELDED
+        stress = np.where(yields, stress, np.minimum(stress, np.float32(material.yield_strength)))
+    before = simulator.part.surface.displaced(simulation.displacement).vertices
+    turn, shift = rigid_motion(before, before + moved[-1])
+    stays = (before + simulation.set_of(landing=landing)) @ turn.T + shift - before
+    impact = Impact(
+        time=np.append(seen.time, 2.0 * seen.time[-1] - seen.time[-2]), displacement=np.array([*moved, stays], np.float32),
+        stress=np.array([*stress, simulation.stress_of(landing=landing)], np.float32), normal=landed.normal,
+    )  # fmt: skip
+    simulator.memo.remember(key, impact)
     return impact
 
 
-def impact_key(recipe: Recipe, displacement: NDArray[np.float32], normal: Point = UP) -> str:
-    """The name an impact is remembered by; arguments as for `impact_of`."""
-    landing = () if normal == UP else (tuple(normal),)
-    return memo_key(("impact", PHYSICS_VERSION, *physics(recipe), *landing), displacement)
+def impact_key(recipe: Recipe, simulation: Simulation, normal: Point) -> str:
+    """The name an impact is remembered by: of a test, on the floor of this normal."""
+    return memo_key(("impact", PHYSICS_VERSION, *physics(recipe), simulation.mesh, tuple(normal)), simulation.displacement)
