@@ -18,7 +18,7 @@ from mechstyle.fea.backends.gpu import DeviceBody
 from mechstyle.fea.discretisation import Discretisation, discretise
 from mechstyle.fea.elasticity import LAWS, element_frequencies, law_named
 from mechstyle.fea.elements import element_named
-from mechstyle.fea.explicit import QUANTITIES, RECORD_EVERY, Body, Progress, Scheme, damped_step, no_progress
+from mechstyle.fea.explicit import FLOW, QUANTITIES, RECORD_EVERY, STATE, STRAIN, TENSION, Body, Progress, Scheme, damped_step, no_progress
 from mechstyle.fea.flight import RigidBody
 from mechstyle.fea.linear_solvers import lowest_period
 from mechstyle.fea.phases import QUIET_TIME, Rule, Track, follow, longest
@@ -60,6 +60,7 @@ class DropTest:
         safety: Time step over a limit that is stable for certain at small strain.
         across: Normal of printed layers over their share of the strength, n / r; zero for a material without layers. What is recorded as
             von Mises stress is then `elasticity.equivalent_stress`.
+        plastic: Whether the material flows where it reaches its yield strength; False for an elastic body, as in the published study.
     """
 
     height: float = 1500.0
@@ -72,6 +73,7 @@ class DropTest:
     quiet: float = QUIET_TIME
     safety: float = 0.95
     across: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    plastic: bool = True
 
     def __post_init__(self) -> None:
         """Refuse values no drop test has, naming the value and the range."""
@@ -83,6 +85,8 @@ class DropTest:
                 raise BadInput(f"drop test: {field.replace('_', ' ')} is {value:g}, but must lie between {low:g} and {high:g}")
         if self.law not in LAWS:
             raise BadInput(f"drop test: unknown elastic law {self.law!r}, known are {', '.join(LAWS)}")
+        if self.plastic and self.law != "stable_neo_hookean":
+            raise BadInput(f"drop test: with the law {self.law} a body is elastic: take stable_neo_hookean, or plastic=False")
         element_named(self.element)
 
     @property
@@ -96,9 +100,11 @@ class Drop:
     """Result of a drop test.
 
     Attributes:
-        von_mises: Running maximum of the von Mises stress at the Gauss points [MPa], shape [orientations, tet_count, points];
-            infinite if it failed.
-        corners: The same at the corners of the tetrahedra [MPa], shape [orientations, tet_count, 4].
+        von_mises: Running maximum of the von Mises stress at the Gauss points [MPa], shape [orientations, tet_count, points]: Kirchhoff's
+            of a body that flows, Cauchy's of an elastic one. Infinite if the drop failed, as are the next three.
+        plastic_strain: Equivalent plastic strain ε_p when it was over, of the same shape.
+        tension_strain: The part ε_t of it that was gathered in tension, where the mean stress is above −σ_vM/3, of the same shape.
+        flow: A = C_p⁻¹ − I then as xx yy zz xy yz zx, shape [orientations, tet_count, points, 6].
         contact: Whether a vertex met the floor in any phase, shape [orientations, vertex_count].
         time_step: Δt [ms].
         steps: Steps of the orientation that took most; of a drop that was not started, the least it would take.
@@ -110,7 +116,9 @@ class Drop:
     """
 
     von_mises: NDArray[np.float32]
-    corners: NDArray[np.float32]
+    plastic_strain: NDArray[np.float32]
+    tension_strain: NDArray[np.float32]
+    flow: NDArray[np.float32]
     contact: NDArray[np.bool_]
     time_step: float
     steps: int
@@ -122,8 +130,10 @@ class Drop:
 
     def __post_init__(self) -> None:
         """Freeze the fields over the mesh."""
-        for name, places in (("von_mises", None), ("corners", 4)):
-            object.__setattr__(self, name, frozen_array(getattr(self, name), np.float32, (None, None, places), name))
+        shape = self.von_mises.shape
+        for name in ("von_mises", "plastic_strain", "tension_strain"):
+            object.__setattr__(self, name, frozen_array(getattr(self, name), np.float32, shape, name))
+        object.__setattr__(self, "flow", frozen_array(self.flow, np.float32, (*shape, FLOW), "flow"))
         object.__setattr__(self, "contact", frozen_array(self.contact, np.bool_, (len(self.von_mises), None), "contact"))
 
 
@@ -230,7 +240,8 @@ def scheme_for(discretisation: Discretisation, material: Material, test: DropTes
         samples = min(math.ceil(longest(period) / (stride * step)), MAX_STEPS // stride)
     else:
         raise BadInput("a drop without a window ends by the lowest period of the part: give one of the two")
-    return Scheme(law, step, damping, GRAVITY, test.friction, test.speed, stride, samples, test.across)
+    strength, hardening = (material.yield_strength, material.hardening) if test.plastic else (math.inf, 0.0)
+    return Scheme(law, step, damping, GRAVITY, test.friction, test.speed, stride, samples, test.across, strength, hardening)
 
 
 def _unit(directions: ArrayLike) -> Floats:
@@ -248,19 +259,20 @@ def _of_tracks(
     tets: TetMesh, discretisation: Discretisation, scheme: Scheme, tracks: Sequence[Track], steps: int, failure: str
 ) -> Drop:
     """What drops left, in the caller's numbering; a failed drop has no stress but infinity."""
-    count, used = len(discretisation.volumes), discretisation.vertices
-    von_mises, corners = (
-        np.full((len(tracks), count, width), np.inf, np.float32) for width in (discretisation.mesh.element.points, 4)
-    )
+    used, shape = discretisation.vertices, (len(tracks), len(discretisation.volumes), discretisation.mesh.element.points)
+    von_mises = np.full(shape, np.inf, np.float32)
+    plastic = np.full((*shape, STATE), np.inf if failure else 0.0, np.float32)
     contact = np.zeros((len(tracks), len(tets.vertices)), dtype=bool)
     for index, track in enumerate(tracks):
-        for ordered, recorded in ((von_mises, track.peak), (corners, track.corners)):
-            if recorded is not None and not failure:
-                ordered[index, discretisation.tet_order] = recorded
+        if track.peak is not None and not failure:
+            von_mises[index, discretisation.tet_order] = track.peak
+        if track.plastic is not None and scheme.yields and not failure:
+            plastic[index, discretisation.tet_order] = track.plastic
         if track.touched is not None:
             contact[index, used] = track.touched[discretisation.place[: len(used)]]
     return Drop(
-        von_mises, corners, contact, scheme.time_step, steps, discretisation.added_mass,
+        von_mises, plastic[..., STRAIN], plastic[..., TENSION], plastic[..., :FLOW], contact,
+        scheme.time_step, steps, discretisation.added_mass,
         tuple(history_of(track, scheme) for track in tracks), tuple(phases_of(track, scheme) for track in tracks),
         tuple(track.ended for track in tracks), failure,
     )  # fmt: skip
@@ -297,13 +309,14 @@ class Phase:
 class History:
     """Energies and forces of one drop; arrays over its samples, of all phases one after the other, shape [samples].
 
-    Energy is conserved: kinetic + strain + contact_loss + damping_loss − gravity_work is what it was at first touch.
+    Energy is conserved: kinetic + strain + plastic_work + contact_loss + damping_loss − gravity_work is what it was at first touch.
 
     Attributes:
         time: Time since first touch, flights included, of which there are no samples [ms].
         phase: Which phase each sample belongs to, counted from 0.
         kinetic: Kinetic energy [mJ].
         strain: Strain energy half a step earlier, where velocity is [mJ].
+        plastic_work: Energy that plastic flow has dissipated or stored in hardening, Σ V (σ_y ε_p + ½ h ε_p²) [mJ].
         gravity_work: Work done by weight since first touch [mJ].
         contact_loss: Kinetic energy taken by the floor since first touch: impact of lumped masses and friction [mJ].
         damping_loss: What is missing then, the energy dissipated in the material and the error of the integration [mJ]; in the first phase
@@ -317,6 +330,7 @@ class History:
     phase: Indices
     kinetic: Floats
     strain: Floats
+    plastic_work: Floats
     gravity_work: Floats
     contact_loss: Floats
     damping_loss: Floats
@@ -334,13 +348,14 @@ def history_of(track: Track, scheme: Scheme) -> History:
     taken = np.cumsum([0.0, *(samples[-1, QUANTITIES.index("contact_loss")] for samples in parts[:-1])])
     contact_loss = taken[phase] + of["contact_loss"]
     gravity_work = -scheme.gravity * (np.array(track.sunk)[phase] + of["height"])
-    energy = of["kinetic"] + of["strain"] + contact_loss - gravity_work
+    energy = of["kinetic"] + of["strain"] + of["plastic_work"] + contact_loss - gravity_work
     forces = [np.diff(samples[:, QUANTITIES.index("impulse")], prepend=0.0) / interval for samples in parts]
     return History(
         time=np.concatenate([begun + interval * np.arange(len(samples)) for begun, samples in zip(track.begun, parts, strict=True)]),
         phase=phase.astype(np.int32),
         kinetic=of["kinetic"],
         strain=of["strain"],
+        plastic_work=of["plastic_work"],
         gravity_work=gravity_work,
         contact_loss=contact_loss,
         damping_loss=energy[0] - energy,

@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass, fields
 from queue import SimpleQueue
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,9 +29,16 @@ MOTION = (
 """Sums that tell the motion as a whole, r the node seen from the centre of mass before the drop: Σ m u [g mm], Σ m v [g mm/ms],
 Σ m (r + u) × v [g mm²/ms], Σ m u ⊗ r [g mm²]."""
 
-QUANTITIES = ("kinetic", "strain", "impulse", "contact_loss", "height", "momentum", "peak_squared", *MOTION)
+QUANTITIES = ("kinetic", "strain", "impulse", "contact_loss", "height", "momentum", "peak_squared", "plastic_work", *MOTION)
 """Rows of a sample: energies [mJ], floor impulse so far [g mm/ms], energy lost to the floor so far [mJ], Σ m u·n [g mm],
-Σ m v·n [g mm/ms], largest σ_vM² at that moment [MPa²], motion. The kernels know them by their place."""
+Σ m v·n [g mm/ms], largest σ_vM² at that moment [MPa²], plastic work so far [mJ], motion. The kernels know them by their place."""
+
+FLOW, STRAIN, TENSION, STATE = 6, 6, 7, 8
+"""What has flowed at a Gauss point is STATE numbers: the FLOW entries xx yy zz xy yz zx of A = C_p⁻¹ − I, and in their places the
+equivalent plastic strain ε_p and the part ε_t of it that was gathered in tension, where p > −σ_vM/3."""
+
+ELASTIC = 1e30
+"""Yield strength from which the kernels take a material for elastic [MPa]."""
 
 RECORD_EVERY = 4
 """Steps between updates of the running maximum; a stress wave crosses an element in several steps."""
@@ -61,6 +68,8 @@ class Scheme:
         stride: Steps between two samples of the history, a multiple of RECORD_EVERY.
         samples: Samples of the whole drop, or of the longest there may be.
         across: Normal of printed layers over their share of the strength; zero for a material without layers.
+        yield_strength: Stress at which the material begins to flow [MPa]; infinite for an elastic body.
+        hardening: By how much its strength rises per unit of plastic strain [MPa].
     """
 
     law: ElasticLaw
@@ -72,6 +81,13 @@ class Scheme:
     stride: int
     samples: int
     across: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    yield_strength: float = math.inf
+    hardening: float = 0.0
+
+    @property
+    def yields(self) -> bool:
+        """Whether the material has a yield strength."""
+        return self.yield_strength < ELASTIC
 
     @property
     def steps(self) -> int:
@@ -98,12 +114,15 @@ class Starts:
         heights: Heights of the undeformed nodes above the floor [mm], shape [orientations, node_count].
         displacements: Displacement of each node [mm], shape [orientations, node_count, 3].
         velocities: Velocity of each node [mm/ms], shape [orientations, node_count, 3].
+        plastic: What has flowed before, tetrahedra in the numbering of the discretisation, shape [orientations, tet_count, points, STATE];
+            None if nothing has.
     """
 
     normals: Floats
     heights: Floats
     displacements: NDArray[np.floating]
     velocities: NDArray[np.floating]
+    plastic: NDArray[np.float32] | None = None
 
     @classmethod
     def falling(cls, positions: Floats, normals: Floats, speed: float) -> Starts:
@@ -113,9 +132,15 @@ class Starts:
         return cls(normals, heights - heights.min(axis=1, keepdims=True), np.broadcast_to(0.0, velocities.shape), velocities)
 
     @classmethod
+    def at_rest(cls, node_count: int) -> Starts:
+        """One undeformed body at rest, with no floor: its heights and normal are zero."""
+        still = np.zeros((1, node_count, 3))
+        return cls(np.zeros((1, 3)), np.zeros((1, node_count)), still, still)
+
+    @classmethod
     def together(cls, starts: Sequence[Starts]) -> Starts:
-        """Several in a row."""
-        return cls(*(np.concatenate([getattr(start, field.name) for start in starts]) for field in fields(cls)))
+        """Several in a row, all of bodies that have flowed or none."""
+        return cls(*(_concatenated([getattr(start, field.name) for start in starts]) for field in fields(cls)))
 
     def __len__(self) -> int:
         """Orientations."""
@@ -123,11 +148,55 @@ class Starts:
 
     def of(self, which: slice) -> Starts:
         """Some of them."""
-        return Starts(*(getattr(self, field.name)[which] for field in fields(self)))
+        flowed = None if self.plastic is None else self.plastic[which]
+        return Starts(self.normals[which], self.heights[which], self.displacements[which], self.velocities[which], flowed)
 
 
-class Batch(Protocol):
-    """Drops that are advanced together, in the numbering of the discretisation."""
+def _concatenated(arrays: Sequence[Any]) -> Any:
+    """The arrays in a row; None if the first is none."""
+    return None if arrays[0] is None else np.concatenate(arrays)
+
+
+@dataclass(frozen=True, eq=False)
+class Loading:
+    """A load that is put on slowly, nodes in the numbering of the discretisation.
+
+    Attributes:
+        forces: External forces at a load factor of 1 [N], shape [node_count, 3].
+        projections: What supports leave of each node's velocity, shape [node_count, 3, 3]: I where it is free, 0 where it is held,
+            I − n nᵀ on rollers.
+        drag: c in v ← v / (1 + c Δt), which lets every motion decay in 1/c [1/ms].
+    """
+
+    forces: Floats
+    projections: Floats
+    drag: float
+
+
+class State(Protocol):
+    """Bodies that are advanced together, in the numbering of the discretisation."""
+
+    def history(self, first: int, last: int) -> Floats:
+        """Samples from one to another, shape [samples, QUANTITIES, orientations]."""
+
+    def peak(self) -> NDArray[np.float32]:
+        """Running maximum of the stress that is held against the strength [MPa], shape [orientations, tet_count, points].
+
+        Of an elastic body the equivalent Cauchy stress; of one that yields Kirchhoff's, by which it flows, after the flow.
+        """
+
+    def plastic(self) -> NDArray[np.float32]:
+        """What has flowed, shape [orientations, tet_count, points, STATE]; of an elastic body nothing, with 0 in place of STATE."""
+
+    def forget_peak(self) -> None:
+        """Begin the running maximum of the stress anew."""
+
+    def motion(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """Displacement since the start [mm] and velocity [mm/ms] of each node, each of shape [orientations, node_count, 3]."""
+
+
+class Batch(State, Protocol):
+    """Drops that are advanced together."""
 
     @property
     def count(self) -> int:
@@ -136,26 +205,18 @@ class Batch(Protocol):
     def advance(self, samples: int) -> None:
         """Take `samples` times `stride` steps, each stride followed by a sample of the history."""
 
-    def history(self, first: int, last: int) -> Floats:
-        """Samples from one to another, shape [samples, QUANTITIES, orientations]."""
-
-    def peak(self) -> NDArray[np.float32]:
-        """Running maximum of the von Mises stress at the Gauss points [MPa], shape [orientations, tet_count, points]."""
-
-    def corners(self) -> NDArray[np.float32]:
-        """The same at the corners of the tetrahedra [MPa], shape [orientations, tet_count, 4]."""
-
-    def forget_peak(self) -> None:
-        """Begin the running maximum of the stress anew."""
-
     def pays(self, going: int) -> bool:
         """Whether to compute on together though no more than `going` drops are looked at still: the others cost as much."""
 
-    def motion(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-        """Displacement since the start [mm] and velocity [mm/ms] of each node, each of shape [orientations, node_count, 3]."""
-
     def touched(self) -> NDArray[np.bool_]:
         """Whether each node has met the floor, shape [orientations, node_count]."""
+
+
+class Loaded(State, Protocol):
+    """One body under a `Loading`, without weight and floor."""
+
+    def advance(self, samples: int, start: float, end: float) -> None:
+        """As `Batch.advance`, while the load factor goes linearly from one value to another."""
 
 
 class Body(Protocol):
@@ -168,6 +229,9 @@ class Body(Protocol):
 
     def batches(self, scheme: Scheme, starts: Starts) -> Sequence[Batch]:
         """The drops, in their order."""
+
+    def loaded(self, scheme: Scheme, loading: Loading) -> Loaded:
+        """The body at rest, not yet loaded."""
 
 
 class Job(Protocol):
@@ -236,13 +300,13 @@ def _stay_on_a_core(places: SimpleQueue[int]) -> None:
 def failing(samples: Floats, scheme: Scheme, energy: float) -> NDArray[np.bool_]:
     """Samples that are not finite or hold more energy than one before, shape [samples, orientations].
 
-    Kinetic, strain and potential energy and what the floor took can only lose to damping. They are held against the least they were,
-    or what damping took would hide as much energy gained.
+    Kinetic, strain and potential energy, plastic work and what the floor took can only lose to damping. They are held against the least
+    they were, or what damping took would hide as much energy gained.
 
     Args:
         samples: From the first after first touch, shape [samples, QUANTITIES, orientations].
         scheme: The step.
-        energy: Kinetic energy at first touch [mJ].
+        energy: Total energy at first touch [mJ].
     """
     with np.errstate(invalid="ignore"):  # sums of infinities, which is what is looked for
         total = total_energy(samples, scheme)
@@ -251,9 +315,9 @@ def failing(samples: Floats, scheme: Scheme, energy: float) -> NDArray[np.bool_]
 
 
 def total_energy(samples: Floats, scheme: Scheme) -> Floats:
-    """Kinetic, strain and potential energy and what the floor took, from first touch [mJ], shape [samples, orientations]."""
+    """Kinetic, strain and potential energy, plastic work and what the floor took [mJ], shape [samples, orientations]."""
     of = {name: samples[:, place] for place, name in enumerate(QUANTITIES)}
-    return of["kinetic"] + of["strain"] + of["contact_loss"] + scheme.gravity * of["height"]
+    return of["kinetic"] + of["strain"] + of["plastic_work"] + of["contact_loss"] + scheme.gravity * of["height"]
 
 
 def stable_step(frequency: float, damping: float) -> float:

@@ -50,11 +50,8 @@ def longest(period: float) -> float:
 class Camera(Protocol):
     """Takes pictures of the first drop; see `Track.displacement`."""
 
-    def take(self, time: float, displacement: Floats, peak: NDArray[np.float32], corners: NDArray[np.float32]) -> None:
-        """A moment [ms]: displacement of the nodes [mm], [node_count, 3], and largest stress since the one before [MPa].
-
-        At the Gauss points, [tet_count, points], and at the corners, [tet_count, 4].
-        """
+    def take(self, time: float, displacement: Floats, peak: NDArray[np.float32]) -> None:
+        """At a moment [ms] displacements [mm], [node_count, 3], and largest stress since the one before [MPa], [tet_count, points]."""
 
 
 @dataclass(frozen=True)
@@ -91,7 +88,7 @@ class Track:
         samples: Samples of each phase, the one at its start first, shape [samples, QUANTITIES].
         sunk: How far the centre of mass has sunk when each phase begins, along the first normal, times the mass [g mm].
         peak: Largest stress so far at the Gauss points [MPa], shape [tet_count, points].
-        corners: The same at the corners, shape [tet_count, 4].
+        plastic: What has flowed so far, as `Batch.plastic`, shape [tet_count, points, STATE or 0].
         touched: Whether each node has met the floor, shape [node_count].
         ended: Why it ended, in words; "" while it goes on.
         failed: Whether it broke down.
@@ -102,7 +99,7 @@ class Track:
         self.begun, self.speeds, self.normals, self.sunk = [0.0], [rule.speed], [normal], [0.0]
         self.samples: list[Floats] = []
         self.peak: NDArray[np.float32] | None = None
-        self.corners: NDArray[np.float32] | None = None
+        self.plastic: NDArray[np.float32] | None = None
         self.touched: Bools | None = None
         self.ended, self.failed = "", False
         self._rotation, self._place = np.eye(3), np.zeros(3)  # of the undeformed body as this phase began
@@ -177,13 +174,11 @@ class Track:
         self.sunk.append(float(body.mass * self._place @ self.normals[0]))
         self._begin(body.velocities(touch.motion))
 
-    def keep(self, peak: NDArray[np.float32], corners: NDArray[np.float32], touched: Bools) -> None:
-        """Take in the largest stress of a phase and the nodes that met the floor, in the shapes of the attributes."""
-        if self.peak is None or self.corners is None or self.touched is None:
-            self.peak, self.corners, self.touched = peak.copy(), corners.copy(), touched.copy()
-        else:
-            self.peak, self.corners = np.maximum(self.peak, peak), np.maximum(self.corners, corners)
-            self.touched = self.touched | touched
+    def keep(self, peak: NDArray[np.float32], plastic: NDArray[np.float32], touched: Bools) -> None:
+        """Take in the largest stress of a phase, what has flowed and the nodes that met the floor, in the shapes of the attributes."""
+        self.peak = peak.copy() if self.peak is None else np.maximum(self.peak, peak)
+        self.touched = touched.copy() if self.touched is None else self.touched | touched
+        self.plastic = plastic.copy()
 
     def displacement(self, since: NDArray[np.float32]) -> Floats:
         """How far each node has moved since first touch, from its displacement since the phase began [mm], shape [node_count, 3]."""
@@ -293,21 +288,21 @@ class _Phase:
         return [self] if self._batch.pays(len(self._open)) else self._packed()
 
     def _keep(self, lanes: Sequence[int]) -> None:
-        peak, corners, touched = self._batch.peak(), self._batch.corners(), self._batch.touched()
+        peak, plastic, touched = self._batch.peak(), self._batch.plastic(), self._batch.touched()
         for lane in lanes:
-            self._tracks[lane].keep(peak[lane], corners[lane], touched[lane])
+            self._tracks[lane].keep(peak[lane], plastic[lane], touched[lane])
 
     def _packed(self) -> Sequence[Job]:
         """The open drops on their own: lanes that are closed cost as much as open ones."""
         self._keep(self._open)
         tracks = [self._tracks[lane] for lane in self._open]
         starts, (u, v) = Starts.together([track.starts() for track in tracks]), self._batch.motion()
-        starts = Starts(starts.normals, starts.heights, u[self._open], v[self._open])
+        starts = Starts(starts.normals, starts.heights, u[self._open], v[self._open], self._batch.plastic()[self._open])
         return _jobs(self._body, self._scheme, starts, tracks, self._camera)
 
     def _picture(self, camera: Camera) -> None:
         """What the first drop looks like; the maximum of its stress begins anew."""
-        track, peak, corners = self._tracks[0], self._batch.peak()[0], self._batch.corners()[0]
-        camera.take(track.time, track.displacement(self._batch.motion()[0][0]), peak, corners)
-        track.keep(peak, corners, self._batch.touched()[0])
+        track, peak = self._tracks[0], self._batch.peak()[0]
+        camera.take(track.time, track.displacement(self._batch.motion()[0][0]), peak)
+        track.keep(peak, self._batch.plastic()[0], self._batch.touched()[0])
         self._batch.forget_peak()

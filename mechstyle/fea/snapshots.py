@@ -30,14 +30,12 @@ class Snapshots:
         displacement: How far each vertex has moved since first touch, fall and all [mm], shape [frames, vertex_count, 3]; zero for
             vertices that no tetrahedron uses.
         von_mises: Largest von Mises stress since the frame before at the Gauss points [MPa], shape [frames, tet_count, points].
-        corners: The same at the corners of the tetrahedra [MPa], shape [frames, tet_count, 4].
         contact: Whether a vertex met the floor in the whole drop, shape [vertex_count].
     """
 
     time: Floats
     displacement: NDArray[np.float32]
     von_mises: NDArray[np.float32]
-    corners: NDArray[np.float32]
     contact: NDArray[np.bool_]
 
 
@@ -76,14 +74,13 @@ def snapshots(
     touched = _filmed(discretisation, material, test, film, progress, period, np.array([normal]))
     places, count, tet_count = discretisation.place[: len(discretisation.vertices)], len(film.times) + 1, len(tets.tets)
     displacement = np.zeros((count, len(tets.vertices), 3), np.float32)
-    von_mises, corners = (np.zeros((count, tet_count, width), np.float32) for width in (discretisation.mesh.element.points, 4))
-    for frame, (moved, peak, at_corners) in enumerate(zip(film.moved, film.peaks, film.corners, strict=True), start=1):
+    von_mises = np.zeros((count, tet_count, discretisation.mesh.element.points), np.float32)
+    for frame, (moved, peak) in enumerate(zip(film.moved, film.peaks, strict=True), start=1):
         displacement[frame][discretisation.vertices] = moved[places]
         von_mises[frame][discretisation.tet_order] = peak
-        corners[frame][discretisation.tet_order] = at_corners
     contact = np.zeros(len(tets.vertices), dtype=bool)
     contact[discretisation.vertices] = touched[places]
-    return Snapshots(np.array([0.0, *film.times]), displacement, von_mises, corners, contact)
+    return Snapshots(np.array([0.0, *film.times]), displacement, von_mises, contact)
 
 
 def snapshot(tets: TetMesh, material: Material, test: DropTest, time: float, period: float | None = None) -> Snapshot:
@@ -102,29 +99,24 @@ class _Film:
     times: list[float] = field(default_factory=list)
     moved: list[NDArray[np.float32]] = field(default_factory=list)
     peaks: list[NDArray[np.float32]] = field(default_factory=list)
-    corners: list[NDArray[np.float32]] = field(default_factory=list)
     _in_each: int = 1
     _taken: int = 0
 
-    def take(self, time: float, displacement: Floats, peak: NDArray[np.float32], corners: NDArray[np.float32]) -> None:
+    def take(self, time: float, displacement: Floats, peak: NDArray[np.float32]) -> None:
         """One more."""
         if len(self.times) == self.most and self._taken % self._in_each == 0:
             last = len(self.times) - 1
             kept = [min(index + 1, last) for index in range(0, last + 1, 2)]  # half of them are left
             self.times, self.moved = [self.times[later] for later in kept], [self.moved[later] for later in kept]
-            self.peaks, self.corners = (
-                [np.maximum(stress[later - later % 2], stress[later]) for later in kept] for stress in (self.peaks, self.corners)
-            )
+            self.peaks = [np.maximum(self.peaks[later - later % 2], self.peaks[later]) for later in kept]
             self._in_each *= 2
         moved = displacement.astype(np.float32)
         if self._taken % self._in_each:
-            self.times[-1], self.moved[-1] = time, moved
-            self.peaks[-1], self.corners[-1] = np.maximum(self.peaks[-1], peak), np.maximum(self.corners[-1], corners)
+            self.times[-1], self.moved[-1], self.peaks[-1] = time, moved, np.maximum(self.peaks[-1], peak)
         else:
             self.times.append(time)
             self.moved.append(moved)
             self.peaks.append(peak)
-            self.corners.append(corners)
         self._taken += 1
 
 
@@ -136,7 +128,7 @@ class _Still:
     moved: NDArray[np.float32]
     time: float = 0.0
 
-    def take(self, time: float, displacement: Floats, _peak: NDArray[np.float32], _corners: NDArray[np.float32]) -> None:
+    def take(self, time: float, displacement: Floats, _peak: NDArray[np.float32]) -> None:
         """Keep it if it is nearer."""
         if abs(time - self.wanted) < abs(self.time - self.wanted):
             self.time, self.moved = time, displacement.astype(np.float32)

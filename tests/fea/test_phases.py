@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from mechstyle.fea import drop as module
 from mechstyle.fea import explicit, phases
@@ -15,10 +16,8 @@ from mechstyle.fea.elements import LINEAR, QUADRATIC
 from mechstyle.fea.flight import RigidBody
 from mechstyle.fea.linear_solvers import lowest_period
 from mechstyle.fea.snapshots import snapshots
-from mechstyle.fea.stressed_volume import DROPPED, at_nodes, exceeded
 from mechstyle.records.material import LIBRARY
 from mechstyle.records.mesh import TetMesh
-from mechstyle.simulation.impact import nearest_rigid
 from validation.meshes import lattice
 
 SPEED = DropTest().speed
@@ -31,8 +30,10 @@ def tilt(angle):
 
 
 def read(part, dropped, number=0):
-    """σ_V of one landing [MPa]."""
-    return exceeded(part, at_nodes(part, dropped.corners[number]), 1.0, DROPPED**3).stress
+    """The stress that more than 64 mm³ of the part exceed in one landing [MPa]."""
+    stress = dropped.von_mises[number]
+    order, volumes = np.argsort(-stress, axis=None), np.repeat(part.volumes / stress.shape[1], stress.shape[1])
+    return stress.ravel()[order][np.searchsorted(np.cumsum(volumes[order]), 64.0)]
 
 
 @pytest.fixture(scope="module")
@@ -47,14 +48,14 @@ def period(bar, pla):
 
 @pytest.fixture(scope="module")
 def tilted(bar, pla, period):
-    """The bar tilted by 34, 35 and 36 degrees."""
-    return drop(bar, pla, [tilt(angle) for angle in (34.0, 35.0, 36.0)], device="cpu", period=period)
+    """The bar tilted by 34, 35 and 36 degrees, elastic."""
+    return drop(bar, pla, [tilt(angle) for angle in (34.0, 35.0, 36.0)], DropTest(plastic=False), device="cpu", period=period)
 
 
 def test_the_second_impact_comes_when_and_as_fast_as_in_a_long_window(bar, pla, tilted):
     body = discretise(bar, pla, 0.01, QUADRATIC)
     normals = np.array([tilt(35.0)]) / np.linalg.norm(tilt(35.0))
-    (track,), scheme = module.tracks_for(body, pla, normals, DropTest(window=8.0))
+    (track,), scheme = module.tracks_for(body, pla, normals, DropTest(window=8.0, plastic=False))
     phases.follow(CoreBody(body), scheme, [track], lambda _: None)
     first, second = tilted.phases[1][:2]
     samples, times = track.samples[0], track.interval * np.arange(len(track.samples[0]))
@@ -68,7 +69,7 @@ def test_the_second_impact_comes_when_and_as_fast_as_in_a_long_window(bar, pla, 
 
 
 def test_the_second_impact_is_the_harder_one(bar, tilted):
-    first = drop(bar, LIBRARY["PLA"], [tilt(35.0)], DropTest(window=tilted.phases[1][0].end), device="cpu")
+    first = drop(bar, LIBRARY["PLA"], [tilt(35.0)], DropTest(window=tilted.phases[1][0].end, plastic=False), device="cpu")
     peaks = [read(bar, first), read(bar, tilted, 1)]
     assert peaks[1] > 1.3 * peaks[0]
 
@@ -80,10 +81,10 @@ def test_a_slow_touch_does_not_hide_the_slap_behind_it(pla):
     gone = (z < 8.0) & ((np.abs(x - 50.0) > 2.0) | (np.abs(y - 10.0) > 2.0))
     used, corners = np.unique(block.tets[~gone], return_inverse=True)
     part = TetMesh(block.vertices[used], corners.reshape(-1, 4).astype(np.int32))
-    found = drop(part, pla, [tilt(22.0)], device="cpu")
+    found = drop(part, pla, [tilt(22.0)], DropTest(plastic=False), device="cpu")
     first, second = found.phases[0][:2]
     assert second.speed < phases.MIN_SPEED_RATIO * SPEED
-    before = drop(part, pla, [tilt(22.0)], DropTest(window=first.end), device="cpu")
+    before = drop(part, pla, [tilt(22.0)], DropTest(window=first.end, plastic=False), device="cpu")
     peaks = [read(part, one) for one in (before, found)]
     assert peaks[1] > 1.25 * peaks[0]
 
@@ -211,11 +212,10 @@ def test_the_player_sees_the_part_where_the_flight_has_brought_it(bar, pla, peri
     assert seen.time[-1] == pytest.approx(result.phases[0][-1].end)
     at = int(np.flatnonzero(there)[0])
     moved = stood.vertices + seen.displacement[at]
-    rigid = nearest_rigid(stood.vertices, moved)
-    assert np.abs(moved - rigid).max() < 3.0
+    before, after = (points - points.mean(axis=0) for points in (stood.vertices, moved))
+    assert np.abs(after - Rotation.align_vectors(after, before)[0].apply(before)).max() < 3.0, "turned and bent a little, no more"
     assert lowest[at] < floor + 1.0, "it touches again"
     np.testing.assert_allclose(seen.von_mises.max(axis=0), result.von_mises[0], rtol=1e-6)
-    np.testing.assert_allclose(seen.corners.max(axis=0), result.corners[0], rtol=1e-6)
     np.testing.assert_array_equal(seen.contact, result.contact[0])
 
 

@@ -50,7 +50,7 @@ def bar() -> Iterator[Result]:
     length, c = 100.0, PLA.bar_wave_speed
     for name in ELEMENTS:
         tets = box((2, 2, 40), (5.0, 5.0, length))
-        history = drop(tets, PLA, UPRIGHT, DropTest(window=0.13, element=name, law="st_venant_kirchhoff"), device="cpu").history[0]
+        history = drop(tets, PLA, UPRIGHT, DropTest(window=0.13, element=name, law="st_venant_kirchhoff", plastic=False), device="cpu").history[0]
         plateau = (history.time > 0.15 * 2.0 * length / c) & (history.time < 0.9 * 2.0 * length / c)
         pressure = float(history.contact_force[plateau].mean()) / 25.0
         yield compared(f"bar: {name}, pressure", pressure, PLA.density * c * DropTest().speed, 0.005, "MPa", "ρ c v")
@@ -60,7 +60,7 @@ def bar_calculix() -> Iterator[Result]:
     """The stress in a bar on the floor while the wave runs up: linear elements in CalculiX's explicit dynamics, end face held."""
     mesh = with_nodes(box((4, 4, 40), (5.0, 5.0, 50.0)), LINEAR)
     window = 0.04
-    test = DropTest(window=window, damping=0.0, law="st_venant_kirchhoff", element="tet4", added_mass=0.0, safety=0.25)
+    test = DropTest(window=window, damping=0.0, law="st_venant_kirchhoff", plastic=False, element="tet4", added_mass=0.0, safety=0.25)
     theirs = calculix.impact(mesh, PLA, mesh.nodes[:, 2] < 1e-9, test.speed, window, 1e-4)
     u = snapshots(mesh.tets, PLA, test, frames=4).displacement[-1].astype(np.float64)
     H = elasticity.displacement_gradients(mesh, u)
@@ -76,7 +76,7 @@ def sphere() -> Iterator[Result]:
 
     St. Venant–Kirchhoff's law: the strain of some per cent under the contact stiffens a neo-Hookean ball by 2 %, which is not in Hertz.
     """
-    radius, test = 20.0, DropTest(window=0.2, law="st_venant_kirchhoff")
+    radius, test = 20.0, DropTest(window=0.2, law="st_venant_kirchhoff", plastic=False)
     tets = ball(radius, 16, 5.0)
     stiffness = PLA.youngs_modulus / (1.0 - PLA.poisson_ratio**2)
     result = drop(tets, PLA, UPRIGHT, test)
@@ -194,7 +194,7 @@ def bracket_of_calculix(name: str, cell: float, window: float) -> Iterator[Resul
     cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
     turned = tets.vertices @ (np.eye(3) + cross + cross @ cross / (1.0 + up[2])).T  # TILT upright, the lowest vertex on z = 0
     tets = tets.moved(turned - [0.0, 0.0, turned[:, 2].min()])
-    test = DropTest(window=window, damping=0.0, law="st_venant_kirchhoff", added_mass=0.0, safety=0.5)
+    test = DropTest(window=window, damping=0.0, law="st_venant_kirchhoff", plastic=False, added_mass=0.0, safety=0.5)
     mesh = with_nodes(tets, QUADRATIC)
     result = drop(tets, PLA, UPRIGHT, test, device="cpu")
     history = result.history[0]

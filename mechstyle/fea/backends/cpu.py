@@ -12,7 +12,7 @@ from mechstyle.fea.backends import simd_by_element
 from mechstyle.fea.backends.simd_by_element import LaneBody, LaneScheme, LaneState
 from mechstyle.fea.discretisation import Discretisation
 from mechstyle.fea.elasticity import ElasticLaw
-from mechstyle.fea.explicit import QUANTITIES, RECORD_EVERY, Scheme, Starts, law_number
+from mechstyle.fea.explicit import ELASTIC, QUANTITIES, RECORD_EVERY, STATE, Loading, Scheme, Starts, law_number
 from mechstyle.records.mesh import Floats
 
 
@@ -22,7 +22,6 @@ class CoreBody:
     def __init__(self, body: Discretisation) -> None:
         self.tet_count, self.node_count = len(body.volumes), len(body.masses)
         self.points = body.mesh.element.points
-        self.corners = 4 if self.points > 1 else 0
         geometry = np.concatenate([body.gradients.reshape(-1, 9), body.volumes[:, None]], axis=1).astype(np.float32)
         lanes, nodes = simd_by_element.LANES, body.connectivity.shape[1]
         padded = (np.pad(table, ((0, -self.tet_count % lanes), (0, 0))) for table in (body.connectivity, geometry))
@@ -55,9 +54,13 @@ class CoreBody:
         """One orientation per job."""
         return [CoreDrop(self, scheme, starts.of(slice(index, index + 1))) for index in range(len(starts))]
 
+    def loaded(self, scheme: Scheme, loading: Loading) -> CoreLoaded:
+        """The body at rest, not yet loaded."""
+        return CoreLoaded(self, scheme, loading)
 
-class CoreDrop:
-    """One orientation, a `Batch` of one.
+
+class _OnCore:
+    """One body on its way, a `State` of one.
 
     Args:
         body: The body.
@@ -70,11 +73,50 @@ class CoreDrop:
     def __init__(self, body: CoreBody, scheme: Scheme, start: Starts) -> None:
         self.body, self.scheme, self.done = body, scheme, 0
         self.state = _state(start.heights[0].astype(np.float32), _rows(start.displacements[0]), _rows(start.velocities[0]))
-        self.state.peak_squared, self.state.corners_squared = (
-            _zeros(places * simd_by_element.LANES * body.lanes.blocks) for places in (body.points, body.corners)
-        )
+        self.state.peak_squared = _zeros(body.points * simd_by_element.LANES * body.lanes.blocks)
+        if scheme.yields:
+            self.state.plastic, self.state.flowed = self._plastic(start.plastic)
         self.state.samples = _zeros(scheme.samples * len(QUANTITIES))
         self.step = _step(scheme, start.normals[0], body.damping_by_tet(scheme.damping))
+
+    def history(self, first: int, last: int) -> Floats:
+        """Samples from one to another, shape [samples, QUANTITIES, 1]."""
+        return self.state.samples.numpy().reshape(-1, len(QUANTITIES), 1)[first:last].astype(np.float64)
+
+    def peak(self) -> NDArray[np.float32]:
+        """Running maximum of the stress at the Gauss points [MPa], shape [1, tet_count, points]."""
+        blocks = self.state.peak_squared.numpy().reshape(-1, self.body.points, simd_by_element.LANES)
+        return np.sqrt(blocks.transpose(0, 2, 1).reshape(1, -1, self.body.points)[:, : self.body.tet_count])
+
+    def plastic(self) -> NDArray[np.float32]:
+        """What has flowed, shape [1, tet_count, points, STATE]; of an elastic body nothing."""
+        body = self.body
+        if not self.scheme.yields:
+            return np.zeros((1, body.tet_count, body.points, 0), np.float32)
+        blocks = self.state.plastic.numpy().reshape(-1, body.points, STATE, simd_by_element.LANES)
+        return blocks.transpose(0, 3, 1, 2).reshape(1, -1, body.points, STATE)[:, : body.tet_count].copy()
+
+    def forget_peak(self) -> None:
+        """Begin the running maximum of the stress anew."""
+        self.state.peak_squared.zero_()
+
+    def motion(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """Displacement since the start [mm] and velocity [mm/ms] of each node, each of shape [1, node_count, 3]."""
+        u, v = (field.numpy().reshape(1, -1, 4)[..., :3].copy() for field in (self.state.u, self.state.v))
+        return u, v
+
+    def _plastic(self, before: NDArray[np.float32] | None) -> tuple[Any, Any]:
+        """What has flowed as it lies in blocks, and which blocks have."""
+        body, lanes = self.body, simd_by_element.LANES
+        if before is None:
+            return _zeros(body.points * STATE * lanes * body.lanes.blocks), wp.zeros(body.lanes.blocks, dtype=wp.int32, device="cpu")
+        padded = np.pad(before[0], ((0, -body.tet_count % lanes), (0, 0), (0, 0)))
+        blocks = np.ascontiguousarray(padded.reshape(-1, lanes, body.points, STATE).transpose(0, 2, 3, 1), dtype=np.float32)
+        return _cpu(blocks.ravel()), _cpu(np.any(blocks.reshape(len(blocks), -1), axis=1).astype(np.int32))
+
+
+class CoreDrop(_OnCore):
+    """One orientation, a `Batch` of one."""
 
     def advance(self, samples: int) -> None:
         """Take `samples` strides and samples; Warp releases the interpreter lock meanwhile."""
@@ -82,42 +124,36 @@ class CoreDrop:
         wp.launch(simd_by_element.strides, dim=1, inputs=arguments, device="cpu")
         self.done += samples
 
-    def history(self, first: int, last: int) -> Floats:
-        """Samples from one to another, shape [samples, QUANTITIES, 1]."""
-        return self.state.samples.numpy().reshape(-1, len(QUANTITIES), 1)[first:last].astype(np.float64)
-
-    def peak(self) -> NDArray[np.float32]:
-        """Running maximum of the von Mises stress at the Gauss points [MPa], shape [1, tet_count, points]."""
-        return self._root(self.state.peak_squared, self.body.points)
-
-    def corners(self) -> NDArray[np.float32]:
-        """The same at the corners [MPa], shape [1, tet_count, 4]."""
-        if not self.body.corners:
-            return np.repeat(self.peak(), 4, axis=2)
-        return self._root(self.state.corners_squared, 4)
-
-    def forget_peak(self) -> None:
-        """Begin the running maxima of the stress anew."""
-        self.state.peak_squared.zero_()
-        self.state.corners_squared.zero_()
-
     def pays(self, going: int) -> bool:
         """Whether its one drop goes on."""
         return going == self.count
-
-    def motion(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-        """Displacement since the start [mm] and velocity [mm/ms] of each node, each of shape [1, node_count, 3]."""
-        u, v = (field.numpy().reshape(1, -1, 4)[..., :3].copy() for field in (self.state.u, self.state.v))
-        return u, v
 
     def touched(self) -> NDArray[np.bool_]:
         """Whether each node has met the floor, shape [1, node_count]."""
         return np.asarray(self.state.impulse.numpy()[None] > 0.0)
 
-    def _root(self, squares: Any, places: int) -> NDArray[np.float32]:
-        """Square roots of what lies in blocks of tetrahedra, shape [1, tet_count, places]."""
-        blocks = squares.numpy().reshape(-1, places, simd_by_element.LANES)
-        return np.sqrt(blocks.transpose(0, 2, 1).reshape(1, -1, places)[:, : self.body.tet_count])
+
+class CoreLoaded(_OnCore):
+    """One body under a load, a `Loaded`.
+
+    Args:
+        body: The body.
+        scheme: The step.
+        loading: The load.
+    """
+
+    def __init__(self, body: CoreBody, scheme: Scheme, loading: Loading) -> None:
+        super().__init__(body, scheme, Starts.at_rest(body.node_count))
+        self.load = simd_by_element.LaneLoad()
+        self.load.forces, self.load.drag = _cpu(_rows(loading.forces)), loading.drag
+        self.load.projections = _cpu(_rows(np.swapaxes(loading.projections, 1, 2).reshape(-1, 3)))
+
+    def advance(self, samples: int, start: float, end: float) -> None:
+        """Take `samples` strides and samples while the load factor goes from one value to another."""
+        rows = (self.done, samples, self.scheme.stride, RECORD_EVERY)
+        arguments = [self.body.lanes, self.state, self.step, self.load, *rows, start, end]
+        wp.launch(simd_by_element.loaded_strides, dim=1, inputs=arguments, device="cpu")
+        self.done += samples
 
 
 def _state(heights: NDArray[np.float32], displacement: NDArray[np.float32], velocity: NDArray[np.float32]) -> Any:
@@ -133,6 +169,8 @@ def _step(scheme: Scheme, normals: Floats, damping: Any) -> Any:
     """The scheme as the kernels read it, β in the order of the blocks."""
     step = LaneScheme()
     step.law, step.mu, step.la = scheme.law_number, scheme.law.mu, scheme.law.la
+    step.yields, step.hardening = int(scheme.yields), scheme.hardening
+    step.yield_strength = min(scheme.yield_strength, ELASTIC)
     step.time_step, step.damping, step.gravity, step.friction = scheme.time_step, damping, scheme.gravity, scheme.friction
     step.normals, step.across = _cpu(normals.astype(np.float32).ravel()), wp.vec3f(*scheme.across)
     return step

@@ -14,7 +14,7 @@ from mechstyle._warp import wp
 from mechstyle.fea.backends import kernels, sampling_kernels
 from mechstyle.fea.discretisation import Discretisation
 from mechstyle.fea.elasticity import ElasticLaw
-from mechstyle.fea.explicit import QUANTITIES, RECORD_EVERY, Scheme, Starts, law_number
+from mechstyle.fea.explicit import ELASTIC, QUANTITIES, RECORD_EVERY, STATE, Loading, Scheme, Starts, law_number
 from mechstyle.records.mesh import Floats
 
 BLOCK = 64
@@ -36,7 +36,7 @@ class DeviceBody:
         for module in (kernels, sampling_kernels):
             wp.load_module(module, device=device)
 
-    def array(self, values: Floats, dtype: Any) -> Any:
+    def array(self, values: NDArray[np.floating], dtype: Any) -> Any:
         """A float32 array of Warp type `dtype` on the device."""
         return wp.array(np.ascontiguousarray(values, dtype=np.float32), dtype=dtype, device=self.device)
 
@@ -47,11 +47,6 @@ class DeviceBody:
     def launch(self, kernel: Any, dim: tuple[int, ...], *arguments: Any) -> None:
         """Queue a kernel."""
         wp.launch(kernel, dim=dim, inputs=arguments, device=self.device, block_dim=BLOCK)
-
-    @property
-    def corners(self) -> int:
-        """Corners of a tetrahedron with a stress of their own: none where it is constant."""
-        return 4 if self.element.nodes > 4 else 0
 
     def forces_and_peak(self, orientations: int) -> tuple[Any, Any]:
         """Arrays the element kernels write: nodal forces by slot, running maximum of the stress at the Gauss points."""
@@ -66,8 +61,9 @@ class DeviceBody:
         ahead = (self.damping(damping), *(self.array(field[:, None], wp.vec3f) for field in fields))
         total = self.zeros(self.node_count, 1, dtype=wp.vec3f)
         forces, peak = self.forces_and_peak(1)
-        constants = (law_number(law), law.mu, law.la, wp.vec3f())
-        self.launch(self.element_forces, (self.tet_count, 1), *self.elements, self.slots, *ahead, *constants, 0, forces, peak)
+        constants = (law_number(law), law.mu, law.la, wp.vec3f(), ELASTIC, 0.0)
+        outcome = (0, forces, self.zeros(0, 0, 0, 0), peak)
+        self.launch(self.element_forces, (self.tet_count, 1), *self.elements, self.slots, *ahead, *constants, *outcome)
         self.launch(kernels.gather_forces, (self.node_count, 1), forces, self.first_slot, total)
         return np.asarray(total.numpy()[:, 0], dtype=np.float64)
 
@@ -79,9 +75,13 @@ class DeviceBody:
         """All orientations together."""
         return [DeviceBatch(self, scheme, starts)]
 
+    def loaded(self, scheme: Scheme, loading: Loading) -> DeviceLoaded:
+        """The body at rest, not yet loaded."""
+        return DeviceLoaded(self, scheme, loading)
 
-class DeviceBatch:
-    """Drops in several orientations, a `Batch`.
+
+class _OnDevice:
+    """Bodies on their way, a `State`.
 
     Args:
         body: The body.
@@ -96,7 +96,7 @@ class DeviceBatch:
         self.u, self.v = (body.array(np.swapaxes(field, 0, 1), wp.vec3f) for field in (starts.displacements, starts.velocities))
         self.damping = body.damping(scheme.damping)
         self.forces, self.peak_squared = body.forces_and_peak(self.count)
-        self.corners_squared = body.zeros(body.tet_count, body.corners, self.count)
+        self.flowed = self._flowed(starts.plastic)
         self.impulse, self.contact_loss = body.zeros(*each_node), body.zeros(*each_node)
         self.parts = body.zeros(len(QUANTITIES), int(sampling_kernels.PARTS), self.count)
         self.groups = body.zeros(len(QUANTITIES), int(sampling_kernels.GROUPS), self.count)
@@ -104,9 +104,43 @@ class DeviceBatch:
         self.row = body.zeros(1, dtype=int)
         self._graph: Any = None
 
-    def advance(self, samples: int) -> None:
-        """Queue `samples` strides, on CUDA as replays of one graph: thousands of launches would cost more than the work in them."""
-        for _ in range(samples):
+    @property
+    def constants(self) -> tuple[Any, ...]:
+        """Of the material, as the kernels take them."""
+        scheme, law = self.scheme, self.scheme.law
+        return scheme.law_number, law.mu, law.la, wp.vec3f(*scheme.across), min(scheme.yield_strength, ELASTIC), scheme.hardening
+
+    def history(self, first: int, last: int) -> Floats:
+        """Samples from one to another, waiting until they are there, shape [samples, QUANTITIES, orientations]."""
+        return np.asarray(self.samples[first:last].numpy(), dtype=np.float64)
+
+    def peak(self) -> NDArray[np.float32]:
+        """Running maximum of the stress at the Gauss points [MPa], shape [orientations, tet_count, points]."""
+        return np.ascontiguousarray(np.moveaxis(np.sqrt(self.peak_squared.numpy()), -1, 0))
+
+    def plastic(self) -> NDArray[np.float32]:
+        """What has flowed, shape [orientations, tet_count, points, STATE]; of an elastic body nothing."""
+        return np.ascontiguousarray(np.moveaxis(self.flowed.numpy(), -1, 0))
+
+    def forget_peak(self) -> None:
+        """Begin the running maximum of the stress anew."""
+        self.peak_squared.zero_()
+
+    def motion(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """Displacement since the start [mm] and velocity [mm/ms] of each node, each of shape [orientations, node_count, 3]."""
+        u, v = (np.ascontiguousarray(np.swapaxes(field.numpy(), 0, 1)) for field in (self.u, self.v))
+        return u, v
+
+    def _flowed(self, before: NDArray[np.float32] | None) -> Any:
+        """What has flowed as [tetrahedron][point][number][orientation], without numbers for an elastic body."""
+        body = self.body
+        if before is None or not self.scheme.yields:
+            return body.zeros(body.tet_count, body.element.points, STATE if self.scheme.yields else 0, self.count)
+        return body.array(np.moveaxis(before, 0, -1), float)
+
+    def _strides(self, count: int) -> None:
+        """Queue strides, on CUDA as replays of one graph: thousands of launches would cost more than the work in them."""
+        for _ in range(count):
             if not wp.get_device(self.body.device).is_cuda:
                 self._stride()
                 continue
@@ -116,46 +150,14 @@ class DeviceBatch:
                 self._graph = capture.graph
             wp.capture_launch(self._graph)
 
-    def history(self, first: int, last: int) -> Floats:
-        """Samples from one to another, waiting until they are there, shape [samples, QUANTITIES, orientations]."""
-        return np.asarray(self.samples[first:last].numpy(), dtype=np.float64)
-
-    def peak(self) -> NDArray[np.float32]:
-        """Running maximum of the von Mises stress at the Gauss points [MPa], shape [orientations, tet_count, points]."""
-        return np.ascontiguousarray(np.moveaxis(np.sqrt(self.peak_squared.numpy()), -1, 0))
-
-    def corners(self) -> NDArray[np.float32]:
-        """The same at the corners [MPa], shape [orientations, tet_count, 4]."""
-        if not self.body.corners:
-            return np.repeat(self.peak(), 4, axis=2)
-        return np.ascontiguousarray(np.moveaxis(np.sqrt(self.corners_squared.numpy()), -1, 0))
-
-    def forget_peak(self) -> None:
-        """Begin the running maxima of the stress anew."""
-        self.peak_squared.zero_()
-        self.corners_squared.zero_()
-
-    def pays(self, going: int) -> bool:
-        """Whether so many of its drops are worth their share of it; drops that are packed anew need a new graph."""
-        return 2 * going > self.count
-
-    def motion(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-        """Displacement since the start [mm] and velocity [mm/ms] of each node, each of shape [orientations, node_count, 3]."""
-        u, v = (np.ascontiguousarray(np.swapaxes(field.numpy(), 0, 1)) for field in (self.u, self.v))
-        return u, v
-
-    def touched(self) -> NDArray[np.bool_]:
-        """Whether each node has met the floor, shape [orientations, node_count]."""
-        return np.ascontiguousarray(self.impulse.numpy().T > 0.0)
-
     def _stride(self) -> None:
         body, scheme = self.body, self.scheme
         for step in range(scheme.stride):
-            self._step(record=int(step % RECORD_EVERY == 0))
-        constants = (scheme.law_number, scheme.law.mu, scheme.law.la, wp.vec3f(*scheme.across), scheme.time_step)
-        parts = (int(sampling_kernels.PARTS), self.count)
-        body.launch(sampling_kernels.sample_elements, parts, *body.elements, *constants, self.u, self.v, self.parts)
-        motion = (self.u, self.v)
+            self._element_forces(record=int(step % RECORD_EVERY == 0))
+            self._advance_nodes()
+        parts, motion = (int(sampling_kernels.PARTS), self.count), (self.u, self.v)
+        inputs = (*body.elements, *self.constants, scheme.time_step, *motion, self.flowed, self.parts)
+        body.launch(sampling_kernels.sample_elements, parts, *inputs)
         sums = (self.impulse, self.contact_loss, self.parts)
         body.launch(sampling_kernels.sample_nodes, parts, body.masses, self.normals, *motion, *sums)
         body.launch(sampling_kernels.sample_motion, parts, body.masses, body.arms, *motion, self.parts)
@@ -163,16 +165,59 @@ class DeviceBatch:
         body.launch(sampling_kernels.sample_total, (len(QUANTITIES), self.count), self.groups, self.row, self.samples)
         body.launch(sampling_kernels.next_row, (1,), self.row)
 
-    def _step(self, record: int) -> None:
+    def _element_forces(self, record: int) -> None:
+        body = self.body
+        ahead, outcome = (self.damping, self.u, self.v), (record, self.forces, self.flowed, self.peak_squared)
+        body.launch(body.element_forces, (body.tet_count, self.count), *body.elements, body.slots, *ahead, *self.constants, *outcome)
+
+    def _advance_nodes(self) -> None:
+        raise NotImplementedError
+
+
+class DeviceBatch(_OnDevice):
+    """Drops in several orientations, a `Batch`."""
+
+    def advance(self, samples: int) -> None:
+        """Queue `samples` strides and samples."""
+        self._strides(samples)
+
+    def pays(self, going: int) -> bool:
+        """Whether so many of its drops are worth their share of it; drops that are packed anew need a new graph."""
+        return 2 * going > self.count
+
+    def touched(self) -> NDArray[np.bool_]:
+        """Whether each node has met the floor, shape [orientations, node_count]."""
+        return np.ascontiguousarray(self.impulse.numpy().T > 0.0)
+
+    def _advance_nodes(self) -> None:
         body, scheme = self.body, self.scheme
-        ahead = (self.damping, self.u, self.v)
-        constants = (scheme.law_number, scheme.law.mu, scheme.law.la, wp.vec3f(*scheme.across))
-        outcome = (record, self.forces, self.peak_squared)
-        body.launch(body.element_forces, (body.tet_count, self.count), *body.elements, body.slots, *ahead, *constants, *outcome)
-        if record and body.corners:
-            nodes, gradients, _ = body.elements
-            body.launch(kernels.corner_stresses, (body.tet_count, self.count), nodes, gradients, *ahead, *constants, self.corners_squared)
         given = (self.forces, body.first_slot, body.masses, self.heights, self.normals)
         numbers = (scheme.time_step, scheme.gravity, scheme.friction)
         state = (self.u, self.v, self.impulse, self.contact_loss)
         body.launch(kernels.advance, (body.node_count, self.count), *given, *numbers, *state)
+
+
+class DeviceLoaded(_OnDevice):
+    """One body under a load, a `Loaded`.
+
+    Args:
+        body: The body.
+        scheme: The step.
+        loading: The load.
+    """
+
+    def __init__(self, body: DeviceBody, scheme: Scheme, loading: Loading) -> None:
+        super().__init__(body, scheme, Starts.at_rest(body.node_count))
+        self.load, self.projections = body.array(loading.forces, wp.vec3f), body.array(loading.projections, wp.mat33f)
+        self.kept, self.ramp = 1.0 / (1.0 + loading.drag * scheme.time_step), body.zeros(4)
+
+    def advance(self, samples: int, start: float, end: float) -> None:
+        """Queue `samples` strides and samples while the load factor goes from one value to another."""
+        self.ramp.assign(np.array([start, (end - start) / (samples * self.scheme.stride), 0.0, start], np.float32))
+        self._strides(samples)
+
+    def _advance_nodes(self) -> None:
+        body = self.body
+        given = (self.forces, body.first_slot, body.masses, self.load, self.projections, self.ramp)
+        body.launch(kernels.advance_loaded, (body.node_count, 1), *given, self.kept, self.scheme.time_step, self.u, self.v)
+        body.launch(kernels.raise_load, (1,), self.ramp)

@@ -6,7 +6,7 @@ adds up its slots, which follow each other. There are no atomic sums, so the sam
 """
 
 from mechstyle._warp import wp
-from mechstyle.fea.backends.laws import equivalent_squared, first_piola
+from mechstyle.fea.backends.laws import stress_at
 from mechstyle.fea.elements import GAUSS_A, GAUSS_B
 
 wp.set_module_options({"enable_backward": False})
@@ -76,15 +76,6 @@ def quadratic_gradient(common: wp.mat33f, x: Nodes10, G: wp.mat33f, q: int):
 
 
 @wp.func
-def corner_gradient(x: Nodes10, G: wp.mat33f, q: int):
-    """∇ at corner q of a quadratic element, Σ_i (4 x_(iq) − x_i) ⊗ ∇L_i."""
-    y = Nodes4()
-    for i in range(4):
-        y[i] = 4.0 * x[BETWEEN[i, q]] - x[i]
-    return plus_linear(wp.mat33f(), y[0], y[1], y[2], y[3], G)
-
-
-@wp.func
 def corner_forces(P: wp.mat33f, G: wp.mat33f, volume: float):
     """−V P ∇L_i for the four corners as rows [N]."""
     F = wp.transpose((-volume) * (P * wp.transpose(G)))
@@ -109,17 +100,21 @@ def linear_forces(
     mu: float,
     la: float,
     across: wp.vec3f,
+    strength: float,
+    hardening: float,
     record: int,
     forces: wp.array2d(dtype=wp.vec3f),
+    plastic: wp.array4d(dtype=float),
     peak_squared: wp.array3d(dtype=float),
 ):
-    """Nodal forces −V P ∇N of u + β v [N] into forces[slots[e, a], b]; recorded steps also raise the stress squared [MPa²]."""
+    """Nodal forces −V P ∇N of u + β v [N] into forces[slots[e, a], b], and what flows into plastic[e, point, number, b].
+
+    Recorded steps also raise the stress squared [MPa²].
+    """
     e, b = wp.tid()
     G = gradients[e]
     H = linear_gradient(u, nodes, G, e, b) + damping[e] * linear_gradient(v, nodes, G, e, b)
-    P = first_piola(H, mu, la, law)
-    if record == 1:
-        peak_squared[e, 0, b] = wp.max(peak_squared[e, 0, b], equivalent_squared(H, P, across))
+    P = stress_at(H, law, mu, la, across, strength, hardening, record, e, 0, b, plastic, peak_squared)
     g = corner_forces(P, G, volumes[e])
     for a in range(4):
         forces[slots[e, a], b] = g[a]
@@ -138,8 +133,11 @@ def quadratic_forces(
     mu: float,
     la: float,
     across: wp.vec3f,
+    strength: float,
+    hardening: float,
     record: int,
     forces: wp.array2d(dtype=wp.vec3f),
+    plastic: wp.array4d(dtype=float),
     peak_squared: wp.array3d(dtype=float),
 ):
     """As `linear_forces` for the quadratic element."""
@@ -151,9 +149,7 @@ def quadratic_forces(
     f = Nodes10()
     for q in range(4):
         H = quadratic_gradient(common, x, G, q)
-        P = first_piola(H, mu, la, law)
-        if record == 1:
-            peak_squared[e, q, b] = wp.max(peak_squared[e, q, b], equivalent_squared(H, P, across))
+        P = stress_at(H, law, mu, la, across, strength, hardening, record, e, q, b, plastic, peak_squared)
         g = corner_forces(P, G, 0.25 * volumes[e])
         total += g
         for i in range(4):
@@ -163,27 +159,6 @@ def quadratic_forces(
         for j in range(i + 1, 4):
             middle = BETWEEN[i, j]
             forces[slots[e, middle], b] = FAR * (total[i] + total[j]) + (NEAR - FAR) * f[middle]
-
-
-@wp.kernel
-def corner_stresses(
-    nodes: wp.array2d(dtype=int),
-    gradients: wp.array(dtype=wp.mat33f),
-    damping: wp.array(dtype=float),
-    u: wp.array2d(dtype=wp.vec3f),
-    v: wp.array2d(dtype=wp.vec3f),
-    law: int,
-    mu: float,
-    la: float,
-    across: wp.vec3f,
-    corners_squared: wp.array3d(dtype=float),
-):
-    """Running maximum of the stress squared of u + β v at the corners of quadratic elements [MPa²]; the forces leave it no registers."""
-    e, b = wp.tid()
-    x = values_ahead(u, v, damping[e], nodes, e, b)
-    for q in range(4):
-        H = corner_gradient(x, gradients[e], q)
-        corners_squared[e, q, b] = wp.max(corners_squared[e, q, b], equivalent_squared(H, first_piola(H, mu, la, law), across))
 
 
 @wp.func
@@ -254,3 +229,31 @@ def advance(
         contact_loss[i, b] -= 0.5 * masses[i] * wp.dot(velocity - free, before + velocity)
     v[i, b] = velocity
     u[i, b] += dt * velocity
+
+
+@wp.kernel
+def advance_loaded(
+    forces: wp.array2d(dtype=wp.vec3f),
+    first_slot: wp.array(dtype=int),
+    masses: wp.array(dtype=float),
+    load: wp.array(dtype=wp.vec3f),
+    projections: wp.array(dtype=wp.mat33f),
+    ramp: wp.array(dtype=float),
+    kept: float,
+    dt: float,
+    u: wp.array2d(dtype=wp.vec3f),
+    v: wp.array2d(dtype=wp.vec3f),
+):
+    """Symplectic Euler for one node under a load times the factor ramp[0], with drag and a support that leaves P v of its velocity."""
+    i, b = wp.tid()
+    force = gathered(forces, first_slot, i, b) + ramp[0] * load[i]
+    velocity = projections[i] * (kept * (v[i, b] + dt * (force / masses[i])))
+    v[i, b] = velocity
+    u[i, b] += dt * velocity
+
+
+@wp.kernel
+def raise_load(ramp: wp.array(dtype=float)):
+    """The load factor of the next step: ramp[2] is how many steps went by, ramp[1] what each adds to where it began, ramp[3]."""
+    ramp[2] = ramp[2] + 1.0
+    ramp[0] = ramp[3] + ramp[1] * ramp[2]

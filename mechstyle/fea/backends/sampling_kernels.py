@@ -4,7 +4,18 @@
 
 from mechstyle._warp import wp
 from mechstyle.fea.backends.kernels import common_gradient, linear_gradient, nodal_values, quadratic_gradient
-from mechstyle.fea.backends.laws import energy_density, equivalent_squared, first_piola
+from mechstyle.fea.backends.laws import (
+    ELASTIC,
+    cofactor,
+    demand_squared,
+    deviator,
+    energy_density,
+    equivalent_squared,
+    factor,
+    first_piola,
+    neo_hookean,
+    plastic_part,
+)
 
 wp.set_module_options({"enable_backward": False})
 
@@ -12,18 +23,48 @@ PARTS, GROUPS = wp.constant(4096), wp.constant(64)
 """Partial sums per history quantity, and groups of them that are added up before the groups are: parallel enough for a GPU, a fixed order
 of summation everywhere."""
 
-KINETIC, STRAIN, IMPULSE, CONTACT_LOSS, HEIGHT, MOMENTUM, PEAK, MOTION = range(8)
+KINETIC, STRAIN, IMPULSE, CONTACT_LOSS, HEIGHT, MOMENTUM, PEAK, PLASTIC_WORK, MOTION = range(9)
 """Places of `explicit.QUANTITIES`; from MOTION on those of `explicit.MOTION`."""
 
 
 @wp.func
-def strain_at(H: wp.mat33f, rate: wp.mat33f, P: wp.mat33f, dt: float, mu: float, la: float, law: int):
-    """Strain energy density half a step ago [MPa].
+def of_point(
+    H: wp.mat33f,
+    rate: wp.mat33f,
+    law: int,
+    mu: float,
+    la: float,
+    across: wp.vec3f,
+    strength: float,
+    hardening: float,
+    dt: float,
+    e: int,
+    q: int,
+    b: int,
+    plastic: wp.array4d(dtype=float),
+):
+    """Strain energy density half a step ago [MPa], density of plastic work so far [MPa] and stress squared now [MPa²] at a Gauss point.
 
     Velocities belong to the middle of the step that led to the displacements, so strain energy is taken there too,
     U − Δt/2 dU/dt: with kinetic energy this is what central differences conserve exactly in a linear body.
     """
-    return energy_density(H, mu, la, law) - 0.5 * dt * wp.ddot(P, rate)
+    work, squared = float(0.0), float(0.0)
+    G, P = wp.mat33f(), wp.mat33f()
+    if strength < ELASTIC:
+        strain = plastic[e, q, 6, b]
+        if strain > 0.0:
+            G = plastic_part(H, plastic, e, q, b)
+            work = strain * (strength + 0.5 * hardening * strain)
+        C = cofactor(H)
+        change = wp.trace(H) + wp.trace(C) + wp.dot(H[0], C[0])
+        trace_change = 2.0 * wp.trace(H) + wp.ddot(H, H) + wp.trace(G) + wp.ddot(H, G)
+        k = factor(trace_change, mu)
+        P = neo_hookean(H, C, change, k, mu, la) + (0.75 * mu + k) * G
+        squared = demand_squared(deviator(H, G), trace_change, change, mu, la, across)
+    else:
+        P = first_piola(H, mu, la, law)
+        squared = equivalent_squared(H, P, across)
+    return wp.vec3f(energy_density(H, G, mu, la, law) - 0.5 * dt * wp.ddot(P, rate), work, squared)
 
 
 @wp.kernel
@@ -35,21 +76,26 @@ def sample_elements(
     mu: float,
     la: float,
     across: wp.vec3f,
+    strength: float,
+    hardening: float,
     dt: float,
     u: wp.array2d(dtype=wp.vec3f),
     v: wp.array2d(dtype=wp.vec3f),
+    plastic: wp.array4d(dtype=float),
     parts: wp.array3d(dtype=float),
 ):
-    """Strain energy and peak of every PARTS-th element into parts[quantity, part, b]."""
+    """Strain energy, plastic work and peak of every PARTS-th element into parts[quantity, part, b]."""
     part, b = wp.tid()
-    strain, peak = float(0.0), float(0.0)
+    strain, work, peak = float(0.0), float(0.0), float(0.0)
     for e in range(part, nodes.shape[0], PARTS):
         G = gradients[e]
         if nodes.shape[1] == 4:
             H = linear_gradient(u, nodes, G, e, b)
-            P = first_piola(H, mu, la, law)
-            strain += volumes[e] * strain_at(H, linear_gradient(v, nodes, G, e, b), P, dt, mu, la, law)
-            peak = wp.max(peak, equivalent_squared(H, P, across))
+            rate = linear_gradient(v, nodes, G, e, b)
+            at = of_point(H, rate, law, mu, la, across, strength, hardening, dt, e, 0, b, plastic)
+            strain += volumes[e] * at[0]
+            work += volumes[e] * at[1]
+            peak = wp.max(peak, at[2])
         else:
             x = nodal_values(u, nodes, e, b)
             y = nodal_values(v, nodes, e, b)
@@ -57,10 +103,13 @@ def sample_elements(
             y_common = common_gradient(y, G)
             for q in range(4):
                 H = quadratic_gradient(x_common, x, G, q)
-                P = first_piola(H, mu, la, law)
-                strain += 0.25 * volumes[e] * strain_at(H, quadratic_gradient(y_common, y, G, q), P, dt, mu, la, law)
-                peak = wp.max(peak, equivalent_squared(H, P, across))
+                rate = quadratic_gradient(y_common, y, G, q)
+                at = of_point(H, rate, law, mu, la, across, strength, hardening, dt, e, q, b, plastic)
+                strain += 0.25 * volumes[e] * at[0]
+                work += 0.25 * volumes[e] * at[1]
+                peak = wp.max(peak, at[2])
     parts[STRAIN, part, b] = strain
+    parts[PLASTIC_WORK, part, b] = work
     parts[PEAK, part, b] = peak
 
 

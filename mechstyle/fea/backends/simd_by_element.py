@@ -13,7 +13,7 @@ tetrahedra: the same inputs give the same bytes.
 from __future__ import annotations
 
 from mechstyle._warp import wp
-from mechstyle.fea.backends.simd_code import ALGEBRA, CONTRACT, ELEMENTS, FORCES, STRAIN, STRESS, TYPES
+from mechstyle.fea.backends.simd_code import ALGEBRA, CONTRACT, ELEMENTS, FORCES, PLASTICITY, STRAIN, STRESS, TYPES
 from mechstyle.fea.explicit import QUANTITIES
 
 wp.set_module_options({"enable_backward": False})
@@ -76,7 +76,8 @@ class LaneState:
     impulse: wp.array(dtype=wp.float32)
     contact_loss: wp.array(dtype=wp.float32)
     peak_squared: wp.array(dtype=wp.float32)
-    corners_squared: wp.array(dtype=wp.float32)
+    plastic: wp.array(dtype=wp.float32)  # [block][point][8 numbers][lane], as in `simd_code`
+    flowed: wp.array(dtype=wp.int32)  # whether anything has yielded in a block
     samples: wp.array(dtype=wp.float32)
 
 
@@ -87,12 +88,24 @@ class LaneScheme:
     law: wp.int32
     mu: wp.float32
     la: wp.float32
+    yields: wp.int32  # whether the material has a yield strength
+    yield_strength: wp.float32
+    hardening: wp.float32
     time_step: wp.float32
     gravity: wp.float32
     friction: wp.float32
     damping: wp.array(dtype=wp.float32)  # β of each tetrahedron, as the blocks lie
     normals: wp.array(dtype=wp.float32)
     across: wp.vec3f  # normal of printed layers over their share of the strength, zero for none
+
+
+@wp.struct
+class LaneLoad:
+    """A load; see `explicit.Loading`."""
+
+    forces: wp.array(dtype=wp.float32)  # [node][x y z 0] N
+    projections: wp.array(dtype=wp.float32)  # [node][column][x y z 0]
+    drag: wp.float32
 
 
 LANES = 16
@@ -212,8 +225,21 @@ _ADVANCE = CONTRACT + """
     }
 """
 
+_ADVANCE_LOADED = CONTRACT + """
+    typedef float Row __attribute__((vector_size(16), aligned(4)));
+    const float dt = scheme.time_step, *masses = body.masses.data, kept = 1.0f / (1.0f + load.drag * dt);
+    Row *U = (Row *)state.u.data, *V = (Row *)state.v.data, *F = (Row *)state.forces.data;
+    const Row *push = (const Row *)load.forces.data, *left = (const Row *)load.projections.data;
+    for (int i = 0; i < body.masses.shape[0]; i++) {
+        const Row free = kept * (V[i] + dt * ((F[i] + factor * push[i]) / masses[i])), *column = left + 3 * i;
+        V[i] = column[0] * free[0] + column[1] * free[1] + column[2] * free[2];
+        U[i] += dt * V[i];
+        F[i] = Row{};
+    }
+"""
+
 _SAMPLE = """
-    double kinetic = 0.0, height = 0.0, momentum = 0.0, impulse = 0.0, contact_loss = 0.0, stored = 0.0, motion[18] = {};
+    double kinetic = 0.0, height = 0.0, momentum = 0.0, impulse = 0.0, contact_loss = 0.0, stored = 0.0, work = 0.0, motion[18] = {};
     float highest = 0.0f;
     const float *n = scheme.normals.data;
     for (int i = 0; i < body.masses.shape[0]; i++) {
@@ -234,15 +260,17 @@ _SAMPLE = """
     }
     for (int l = 0; l < LANES; l++) {
         stored += strain[l];
+        work += worked[l];
         highest = peak[l] > highest ? peak[l] : highest;
     }
-    const double values[] = {kinetic, stored, impulse, contact_loss, height, momentum, highest};
+    const double values[] = {kinetic, stored, impulse, contact_loss, height, momentum, highest, work};
     float *out = state.samples.data + QUANTITIES * row;
-    for (int k = 0; k < 7; k++) out[k] = (float)values[k];
-    for (int k = 0; k < 18; k++) out[7 + k] = (float)motion[k];
+    for (int k = 0; k < 8; k++) out[k] = (float)values[k];
+    for (int k = 0; k < 18; k++) out[8 + k] = (float)motion[k];
 """
 
-_HEAD = CONTRACT + f"    constexpr int LANES = {LANES}, QUANTITIES = {len(QUANTITIES)};" + TYPES + ALGEBRA + STRESS + _LAYOUT + ELEMENTS
+_HEAD = CONTRACT + f"    constexpr int LANES = {LANES}, QUANTITIES = {len(QUANTITIES)};" + TYPES + ALGEBRA + STRESS
+_HEAD += PLASTICITY + _LAYOUT + ELEMENTS
 
 
 @wp.func_native(_HEAD + FORCES)
@@ -253,6 +281,11 @@ def element_forces(body: LaneBody, state: LaneState, scheme: LaneScheme, record:
 @wp.func_native(_ADVANCE)
 def advance(body: LaneBody, state: LaneState, scheme: LaneScheme) -> None:
     """Symplectic Euler with contact for every node, as `kernels.advance`; clears the forces."""
+
+
+@wp.func_native(_ADVANCE_LOADED)
+def advance_loaded(body: LaneBody, state: LaneState, scheme: LaneScheme, load: LaneLoad, factor: float) -> None:
+    """Symplectic Euler under a load for every node, as `kernels.advance_loaded`; clears the forces."""
 
 
 @wp.func_native(_HEAD + STRAIN + _SAMPLE)
@@ -274,5 +307,21 @@ def strides(body: LaneBody, state: LaneState, scheme: LaneScheme, first_row: int
         for step in range(steps):
             element_forces(body, state, scheme, wp.where(step % record_every == 0, 1, 0))
             advance(body, state, scheme)
+        sample(body, state, scheme, first_row + row)
+    restore_mode(mode)
+
+
+@wp.kernel
+def loaded_strides(
+    body: LaneBody, state: LaneState, scheme: LaneScheme, load: LaneLoad,
+    first_row: int, rows: int, steps: int, record_every: int, start: float, end: float,
+) -> None:  # fmt: skip
+    """As `strides` under a load that goes from one factor to another."""
+    mode = flush_subnormals()
+    rise = (end - start) / float(rows * steps)
+    for row in range(rows):
+        for step in range(steps):
+            element_forces(body, state, scheme, wp.where(step % record_every == 0, 1, 0))
+            advance_loaded(body, state, scheme, load, start + rise * float(row * steps + step))
         sample(body, state, scheme, first_row + row)
     restore_mode(mode)

@@ -4,8 +4,11 @@ Warp compiles kernels for the CPU without vectorising them. These are the same s
 extensions of clang, the compiler inside Warp: `Lanes` adds and multiplies like a float, and the compiler maps it to whatever the
 processor has (AVX, SSE or NEON registers, one or several). What lies in the lanes is for the layout to say: sixteen tetrahedra of one
 drop (`simd_by_element`). It provides `load`, `load_ahead` (u + β v), `geometry` and `add`; all here is written in terms of these.
-`Linear` and `Quadratic` are the elements of `elements`. Element, law and whether stress is recorded are types, so that each of their
-loops is compiled on its own: a tenth faster than asking at every Gauss point.
+`Linear` and `Quadratic` are the elements of `elements`. Element, law, whether it yields and whether stress is recorded are types, so that
+each of their loops is compiled on its own: a tenth faster than asking at every Gauss point.
+
+What has flowed at a Gauss point is eight numbers: A = C_p⁻¹ − I as xx yy zz xy yz zx, the plastic strain, and that gathered in tension;
+the formulas are those of `elasticity.StableNeoHookean` and of `laws`. A block of tetrahedra that has never yielded is computed without.
 """
 
 from __future__ import annotations
@@ -28,8 +31,12 @@ TYPES = """
     };
     struct Linear { enum { nodes = 4, points = 1 }; };
     struct Quadratic { enum { nodes = 10, points = 4 }; };
-    struct Kirchhoff { enum { neo_hookean = 0 }; };
-    struct NeoHookean { enum { neo_hookean = 1 }; };
+    struct Kirchhoff { enum { neo_hookean = 0, yields = 0 }; };
+    struct NeoHookean { enum { neo_hookean = 1, yields = 0 }; };
+    struct ElasticPlastic { enum { neo_hookean = 1, yields = 1 }; };
+    struct Virgin { enum { flowed = 0 }; };  // C_p = I
+    struct Flowed { enum { flowed = 1 }; };
+    enum { STATE = 8, STRAIN = 6, TENSION = 7 };  // numbers of a Gauss point, and where the plastic strains are among them
     struct Unrecorded { enum { record = 0 }; };
     struct Recorded { enum { record = 1 }; };
 """
@@ -74,15 +81,30 @@ STRESS = """
             for (int j = 0; j < 3; j++) P[i][j] = S[i][j] + H[i][0] * S[0][j] + H[i][1] * S[1][j] + H[i][2] * S[2][j];
         return P;
     };
-    auto stable_neo_hookean = [&](const Matrix &H) {
-        const Matrix C = cofactor(H);
-        const Lanes tr = trace(H), q = 2.0f * tr + contraction(H, H), k = mu * q / (4.0f * (4.0f + q));
+    // What the law is made of: cof H, tr H, q = tr b_e - 3, k and J - 1; G = F A of what has flowed.
+    struct Invariants { Matrix C; Lanes tr, q, k, change; };
+    auto factor = [&](const Lanes &q) { return mu * q / (4.0f * (4.0f + q)); };
+    auto invariants = [&](auto history, const Matrix &H, const Matrix &G) INLINE {
+        Invariants at;
+        at.C = cofactor(H), at.tr = trace(H), at.q = 2.0f * at.tr + contraction(H, H);
+        if constexpr (decltype(history)::flowed) at.q += trace(G) + contraction(H, G);
+        at.k = factor(at.q), at.change = volume_change(H, at.C);
+        return at;
+    };
+    auto neo_hookean = [&](auto history, const Matrix &H, const Matrix &G, const Invariants &at) INLINE {
         const float m = 0.75f * mu;
-        const Lanes pressure = la * volume_change(H, C), excess = pressure - m, diagonal = k + pressure + excess * tr;
+        const Lanes pressure = la * at.change, excess = pressure - m, diagonal = at.k + pressure + excess * at.tr, stiff = m + at.k;
         Matrix P;
         for (int i = 0; i < 3; i++)
-            for (int j = 0; j < 3; j++) P[i][j] = (m + k) * H[i][j] + excess * (C[i][j] - H[j][i]) + (i == j ? diagonal : Lanes{});
+            for (int j = 0; j < 3; j++) {
+                P[i][j] = stiff * H[i][j] + excess * (at.C[i][j] - H[j][i]) + (i == j ? diagonal : Lanes{});
+                if constexpr (decltype(history)::flowed) P[i][j] += stiff * G[i][j];
+            }
         return P;
+    };
+    auto stable_neo_hookean = [&](const Matrix &H) {
+        const Matrix none = {};
+        return neo_hookean(Virgin{}, H, none, invariants(Virgin{}, H, none));
     };
     auto first_piola = [&](auto law, const Matrix &H) INLINE {
         if constexpr (decltype(law)::neo_hookean) return stable_neo_hookean(H);
@@ -112,16 +134,129 @@ STRESS = """
         const Lanes of_solid = 0.5f * (a * a + b * b + c * c) + 3.0f * shear;
         return max(of_solid, across_layers(T)) / (J * J);
     };
-    auto energy_density = [&](const Matrix &H) {
+    auto energy_density = [&](auto history, const Matrix &H, const Matrix &G) INLINE {
         if (scheme.law == 0) {
             const Matrix E = green_strain(H);
             return 0.5f * la * trace(E) * trace(E) + mu * contraction(E, E);
         }
-        const Matrix C = cofactor(H);
-        const Lanes change = volume_change(H, C), square = contraction(H, H), x = 0.25f * (2.0f * trace(H) + square);
+        const Invariants at = invariants(history, H, G);
+        const Lanes x = 0.25f * at.q;
+        Lanes square = contraction(H, H);
+        if constexpr (decltype(history)::flowed) square += trace(G) + contraction(H, G);
         const Lanes s = x / (2.0f + x);  // x - ln(1 + x) by the series of artanh s
         const Lanes remainder = s * (x - s * s * (2.0f / 3.0f + s * s * (2.0f / 5.0f + s * s * 2.0f / 7.0f)));
-        return 0.375f * mu * (square - 2.0f * (change - trace(H))) + 0.5f * mu * remainder + 0.5f * la * change * change;
+        return 0.375f * mu * (square - 2.0f * (at.change - at.tr)) + 0.5f * mu * remainder + 0.5f * la * at.change * at.change;
+    };
+"""
+
+PLASTICITY = """
+    const float strength = scheme.yield_strength, hardening = scheme.hardening;
+    constexpr float TINY = 1e-20f;
+    constexpr int ROW[6] = {0, 1, 2, 0, 1, 2}, COLUMN[6] = {0, 1, 2, 1, 2, 0};
+    auto any = [](auto mask) { return __builtin_reduce_or(mask) != 0; };
+    // G = F A.
+    auto plastic_part = [](const Matrix &H, const Lanes *A) {
+        const Matrix whole = {{{A[0], A[3], A[5]}, {A[3], A[1], A[4]}, {A[5], A[4], A[2]}}};
+        Matrix G;
+        for (int i = 0; i < 3; i++)
+            for (int j = 0; j < 3; j++)
+                G[i][j] = whole[i][j] + H[i][0] * whole[0][j] + H[i][1] * whole[1][j] + H[i][2] * whole[2][j];
+        return G;
+    };
+    // The deviator s of b_e - I = H + H^T + H H^T + G F^T.
+    auto deviator = [&](auto history, const Matrix &H, const Matrix &G, Lanes *s) INLINE {
+        for (int n = 0; n < 6; n++) {
+            const int i = ROW[n], j = COLUMN[n];
+            s[n] = H[i][j] + H[j][i] + H[i][0] * H[j][0] + H[i][1] * H[j][1] + H[i][2] * H[j][2];
+            if constexpr (decltype(history)::flowed) s[n] += G[i][j] + G[i][0] * H[j][0] + G[i][1] * H[j][1] + G[i][2] * H[j][2];
+        }
+        const Lanes mean = (s[0] + s[1] + s[2]) * (1.0f / 3.0f);
+        for (int n = 0; n < 3; n++) s[n] -= mean;
+    };
+    auto square = [](const Lanes *s) {
+        return s[0] * s[0] + s[1] * s[1] + s[2] * s[2] + 2.0f * (s[3] * s[3] + s[4] * s[4] + s[5] * s[5]);
+    };
+    // Mean Kirchhoff stress.
+    auto mean_stress = [&](const Lanes &q, const Lanes &change) {
+        return mu * (q * (15.0f + 4.0f * q) / (12.0f * (4.0f + q)) - 0.75f * change) + la * change * (1.0f + change);
+    };
+    // What is held against the strength, squared: von Mises' Kirchhoff stress, or where it is larger what pulls or shears layers apart.
+    auto demand_squared = [&](const Lanes *s, const Invariants &at) INLINE {
+        const Lanes stiff = 0.75f * mu + at.k, of_solid = 1.5f * stiff * stiff * square(s);
+        if (steep == 0.0f) return of_solid;
+        const Lanes p = mean_stress(at.q, at.change), xy = stiff * s[3], yz = stiff * s[4], zx = stiff * s[5];
+        const Matrix T = {{{stiff * s[0] + p, xy, zx}, {xy, stiff * s[1] + p, yz}, {zx, yz, stiff * s[2] + p}}};
+        return max(of_solid, across_layers(T));
+    };
+    // One Gauss point where something has flowed or flows now: `elastic_plastic` of `laws`, lane by lane; G becomes that after the flow.
+    auto flow = [&](const Matrix &H, Matrix &G, Invariants &at, Lanes *point, const Lanes *s, Lanes &demand) INLINE {
+        const Lanes limit = strength + hardening * point[STRAIN], J = 1.0f + at.change;
+        const auto yields = (demand > limit * limit) & (J > 0.1f);
+        if (!any(yields)) return;
+        const Lanes stiff = 0.75f * mu + at.k, m = at.q * (1.0f / 3.0f), against = 3.0f * stiff * (1.0f + m);
+        const Lanes above = yields ? 1.0f - limit / __builtin_elementwise_sqrt(demand) : Lanes{};
+        const Lanes along = above / (against + hardening), lost = against * along;
+        const Lanes von_mises = stiff * __builtin_elementwise_sqrt(1.5f * square(s)), kept = 1.0f - lost;
+        Lanes after[6];
+        for (int n = 0; n < 6; n++) after[n] = kept * s[n];
+        // Flow keeps det b_e = J^2: m^3 - 1/2 (s:s) m + det s = J^2, in m - 1, by two Newton steps from where it was.
+        const Lanes half = 0.5f * square(after);
+        const Lanes determinant = after[0] * (after[1] * after[2] - after[4] * after[4])
+            - after[3] * (after[3] * after[2] - after[4] * after[5]) + after[5] * (after[3] * after[4] - after[1] * after[5]);
+        const Lanes wanted = at.change * (2.0f + at.change) - determinant + half;
+        Lanes x = m;
+        for (int step = 0; step < 2; step++)
+            x -= (x * (3.0f - half + x * (3.0f + x)) - wanted) / (3.0f * (1.0f + x) * (1.0f + x) - half);
+        x = yields ? x : m;
+        const Lanes inverse = 1.0f / (yields ? J : Lanes{} + 1.0f), spherical = x - m;
+        Lanes d[6];
+        for (int n = 0; n < 6; n++) d[n] = (n < 3 ? spherical : Lanes{}) - lost * s[n];
+        const Matrix D = {{{d[0], d[3], d[5]}, {d[3], d[1], d[4]}, {d[5], d[4], d[2]}}};
+        Matrix cof, W;  // F^-T and the change of G
+        for (int i = 0; i < 3; i++)
+            for (int j = 0; j < 3; j++) cof[i][j] = inverse * (at.C[i][j] - H[j][i] + (i == j ? 1.0f + at.tr : Lanes{}));
+        for (int i = 0; i < 3; i++)
+            for (int j = 0; j < 3; j++) {
+                W[i][j] = D[i][0] * cof[0][j] + D[i][1] * cof[1][j] + D[i][2] * cof[2][j];
+                G[i][j] += W[i][j];
+            }
+        for (int n = 0; n < 6; n++) {
+            const int i = ROW[n], j = COLUMN[n];
+            point[n] += cof[0][i] * W[0][j] + cof[1][i] * W[1][j] + cof[2][i] * W[2][j];
+        }
+        at.q = 3.0f * x, at.k = factor(at.q);
+        const Lanes conjugate = 1.0f - 1.5f * determinant / ((1.0f + m) * (half + TINY)), more = conjugate * along * von_mises;
+        point[STRAIN] += more;
+        const Lanes p = mean_stress(at.q, at.change);
+        point[TENSION] += 3.0f * p > -kept * von_mises ? more : Lanes{};
+        demand *= kept * kept;
+    };
+    auto flowed_stress = [&](const Matrix &H, Lanes *point, Lanes *highest) __attribute__((noinline)) {
+        Matrix G = plastic_part(H, point);
+        Invariants at = invariants(Flowed{}, H, G);
+        Lanes s[6];
+        deviator(Flowed{}, H, G, s);
+        Lanes demand = demand_squared(s, at);
+        flow(H, G, at, point, s, demand);
+        if (highest) *highest = max(*highest, demand);
+        return neo_hookean(Flowed{}, H, G, at);
+    };
+    // Stress at a Gauss point of a block; `point` is what has flowed there, `highest` the running maximum of what is held against the
+    // strength, squared, or null.
+    auto elastic_plastic = [&](const Matrix &H, Lanes *point, int &flowed, Lanes *highest) INLINE {
+        if (!flowed) {
+            const Matrix none = {};
+            const Invariants at = invariants(Virgin{}, H, none);
+            Lanes s[6];
+            deviator(Virgin{}, H, none, s);
+            const Lanes demand = demand_squared(s, at);
+            if (!any(demand > strength * strength)) {
+                if (highest) *highest = max(*highest, demand);
+                return neo_hookean(Virgin{}, H, none, at);
+            }
+            flowed = 1;
+        }
+        return flowed_stress(H, point, highest);
     };
 """
 
@@ -154,13 +289,6 @@ ELEMENTS = (
     auto gradient = [&](auto element, const Matrix &common, const Lanes *const *x, const Lanes *B, const Lanes *extra, int q) INLINE {
         if constexpr (decltype(element)::points == 1) return plus_linear(Matrix{}, x[0], x[1], x[2], x[3], B);
         else return plus_linear(common, x[between[0][q]], x[between[1][q]], x[between[2][q]], x[between[3][q]], extra);
-    };
-    // The gradient at corner q of a quadratic element, sum_i (4 x_between(i, q) - x_i) (x) grad L_i.
-    auto corner_gradient = [&](const Lanes *const *x, const Lanes *G, int q) INLINE {
-        Lanes y[4][3];
-        for (int i = 0; i < 4; i++)
-            for (int k = 0; k < 3; k++) y[i][k] = 4.0f * x[between[i][q]][k] - x[i][k];
-        return plus_linear(Matrix{}, y[0], y[1], y[2], y[3], G);
     };
     // Nodal forces -sum_q V/points P_q grad N_a of an element, P_q = stress(q, H_q), handed to emit(node, component, force).
     auto nodal_forces = [&](auto element, const Lanes *const *x, const Lanes *G, auto stress, auto emit) INLINE {
@@ -198,6 +326,7 @@ ELEMENTS = (
     auto for_the_body = [&](auto work) INLINE {
         auto of_element = [&](auto element) INLINE {
             if (scheme.law == 0) work(element, Kirchhoff{});
+            else if (scheme.yields) work(element, ElasticPlastic{});
             else work(element, NeoHookean{});
         };
         if (body.nodes == 4) of_element(Linear{});
@@ -208,27 +337,23 @@ ELEMENTS = (
 
 FORCES = """
     // Adds the internal forces of every block to the nodes in ascending order; if `Recorded`, keeps the running maximum of the stress
-    // squared at the Gauss points and, where it is another one, at the corners.
+    // squared at the Gauss points.
     auto all_forces = [&](auto element, auto law, auto recorded) INLINE {
         constexpr int nodes = decltype(element)::nodes, points = decltype(element)::points;
         constexpr bool record = decltype(recorded)::record;
-        Lanes *peak = (Lanes *)state.peak_squared.data, *corners = (Lanes *)state.corners_squared.data;
-        auto raise = [](Lanes &highest, const Lanes now) INLINE { highest = now > highest ? now : highest; };
+        Lanes *peak = (Lanes *)state.peak_squared.data, *plastic = (Lanes *)state.plastic.data;
         for (int block = 0; block < body.blocks; block++) {
             Lanes buffer[nodes][3];
             const Lanes *x[nodes];
             load_ahead(element, block, buffer, x);
             auto stress = [&](int q, const Matrix &H) INLINE {
+                Lanes *highest = record ? peak + points * block + q : nullptr;
+                if constexpr (decltype(law)::yields)
+                    return elastic_plastic(H, plastic + STATE * (points * block + q), state.flowed.data[block], highest);
                 const Matrix P = first_piola(law, H);
-                if constexpr (record) raise(peak[points * block + q], equivalent_squared(H, P));
+                if constexpr (record) *highest = max(*highest, equivalent_squared(H, P));
                 return P;
             };
-            if constexpr (record && points > 1) {
-                for (int q = 0; q < 4; q++) {
-                    const Matrix H = corner_gradient(x, geometry(block), q);
-                    raise(corners[4 * block + q], equivalent_squared(H, first_piola(law, H)));
-                }
-            }
             add(element, block, [&](auto emit) INLINE { nodal_forces(element, x, geometry(block), stress, emit); });
         }
     };
@@ -239,13 +364,14 @@ FORCES = """
 """
 
 STRAIN = """
-    // Strain energy half a step ago and the largest stress now, lane by lane.
-    DoubleLanes strain = {};
+    // Strain energy half a step ago, plastic work so far and the largest stress now, lane by lane.
+    DoubleLanes strain = {}, worked = {};
     Lanes peak = {};
     auto all_energy = [&](auto element, auto law) INLINE {
         constexpr int nodes = decltype(element)::nodes, points = decltype(element)::points;
         for (int block = 0; block < body.blocks; block++) {
             const Lanes *G = geometry(block);
+            const Lanes volume = G[9] * (1.0f / points);
             Lanes extra[9];
             for (int i = 0; i < 9; i++) extra[i] = EXTRA * G[i];
             Lanes x_buffer[nodes][3], v_buffer[nodes][3];
@@ -254,13 +380,26 @@ STRAIN = """
             load(element, state.v.data, block, v_buffer, v);
             Matrix x_common = {}, v_common = {};
             if constexpr (points > 1) x_common = common_gradient(x, G), v_common = common_gradient(v, G);
+            auto add_point = [&](auto history, const Matrix &H, const Matrix &rate, const Matrix &flowed, const Matrix &P, Lanes now) {
+                const Lanes energy = volume * (energy_density(history, H, flowed) - 0.5f * scheme.time_step * contraction(P, rate));
+                strain += __builtin_convertvector(energy, DoubleLanes);
+                peak = max(peak, now);
+            };
             for (int q = 0; q < points; q++) {
                 const Matrix H = gradient(element, x_common, x, G, extra, q), rate = gradient(element, v_common, v, G, extra, q);
-                const Matrix P = first_piola(law, H);
-                const Lanes now = equivalent_squared(H, P);
-                const Lanes energy = G[9] * (energy_density(H) - 0.5f * scheme.time_step * contraction(P, rate)) * (1.0f / points);
-                strain += __builtin_convertvector(energy, DoubleLanes);
-                peak = now > peak ? now : peak;
+                if constexpr (decltype(law)::yields) {
+                    Lanes none[STATE] = {}, s[6];
+                    const Lanes *point = state.flowed.data[block] ? (Lanes *)state.plastic.data + STATE * (points * block + q) : none;
+                    const Matrix flowed = plastic_part(H, point);
+                    const Invariants at = invariants(Flowed{}, H, flowed);
+                    deviator(Flowed{}, H, flowed, s);
+                    add_point(Flowed{}, H, rate, flowed, neo_hookean(Flowed{}, H, flowed, at), demand_squared(s, at));
+                    const Lanes work = volume * point[STRAIN] * (strength + 0.5f * hardening * point[STRAIN]);
+                    worked += __builtin_convertvector(work, DoubleLanes);
+                } else {
+                    const Matrix P = first_piola(law, H);
+                    add_point(Virgin{}, H, rate, Matrix{}, P, equivalent_squared(H, P));
+                }
             }
         }
     };
