@@ -1,13 +1,17 @@
-"""Equations of a body: a preconditioner in two levels, K x = f by conjugate gradients, and the lowest elastic period, K x = ω² M x."""
+"""Equations of a body: a preconditioner in two levels, K x = f by conjugate gradients, and the lowest elastic period, K x = ω² M x.
+
+K of a held body, of which few right sides are solved precisely, and of a free one, of which many are at once.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eigh, eigvalsh
-from scipy.sparse import bsr_array, coo_array, csr_array, diags_array, eye_array, kron
+from scipy.sparse import bsr_array, coo_array, csc_array, csr_array, diags_array, eye_array, kron
 from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import LinearOperator, cg, eigsh, splu
 
@@ -55,7 +59,7 @@ class TwoLevel:
         self._matrix, self._fields = matrix.astype(np.float32), fields.astype(np.float32)  # what is about right may be rounded
         coarse = (fields.T @ (matrix.tocsr() @ fields) + shift * (fields.T @ fields)).tocsc()
         try:
-            self._factor = splu(coarse, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+            self._solve = _factors(coarse)
         except (RuntimeError, MemoryError) as error:
             raise SimulationFailed(f"the equations of the part could not be factorised: {error}") from error
         self._inverse_diagonal = (1.0 / matrix.diagonal()[:, None]).astype(np.float32)
@@ -69,7 +73,7 @@ class TwoLevel:
         size = np.linalg.norm(right, axis=0)
         rest = (right / np.where(size > 0.0, size, 1.0)).astype(np.float32)
         found, rest = self._smoothed(np.zeros_like(rest), rest)
-        linear = self._fields @ self._factor.solve((self._fields.T @ rest).astype(np.float64)).astype(np.float32)
+        linear = self._fields @ self._solve((self._fields.T @ rest).astype(np.float64)).astype(np.float32)
         found, _ = self._smoothed(found + linear, rest - self._matrix @ linear)
         return np.asarray(found * size, np.float64)
 
@@ -101,24 +105,86 @@ def solver(matrix: csr_array, fields: csr_array) -> Callable[[Floats], Floats]:
     Raises:
         RuntimeError, MemoryError: If A cannot be factorised.
     """
-
-    def factors() -> Callable[[Floats], Floats]:
-        return splu(matrix.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}).solve
-
     some = np.flatnonzero(abs(fields).sum(axis=0))  # what is left of a field where supports hold all of it is none
     if matrix.shape[0] <= FACTORISED or len(some) >= matrix.shape[0]:
-        return factors()
+        return _factors(matrix.tocsc())
     try:
         nearly = TwoLevel(matrix, fields[:, some])
     except SimulationFailed:  # two fields are one where supports hold what tells them apart
-        return factors()
+        return _factors(matrix.tocsc())
     inverse = LinearOperator(matrix.shape, matvec=lambda right: nearly(right.reshape(-1, 1))[:, 0], dtype=np.float64)
 
     def solved(right: Floats) -> Floats:
         found, wrong = cg(matrix, right, rtol=LEFT_OVER, atol=0.0, M=inverse, maxiter=ITERATIONS)
-        return factors()(right) if wrong else np.asarray(found)
+        return _factors(matrix.tocsc())(right) if wrong else np.asarray(found)
 
     return solved
+
+
+def _factors(matrix: csc_array) -> Callable[[Floats], Floats]:
+    """What solves A x = b by the factors of a symmetric positive definite matrix."""
+    return splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}).solve
+
+
+AT_ONCE = 16
+"""Right sides that are solved for together: the matrix is read once for all of them, and as many columns stay in the cache."""
+ENOUGH = 1e-5
+"""Error in the norm of energy over that of the solution, as the preconditioner has it, at which a free body is solved."""
+
+
+class FreeBody:
+    """Solves K x = f of a body that nothing holds, for loads in equilibrium, many at once; prepared once."""
+
+    def __init__(self, body: Discretisation) -> None:
+        self._matrix, self._body = body.stiffness.matrix(), body
+        self._shift = _far_below_a_bar(body)
+        self._root, self._rigid = np.repeat(np.sqrt(body.masses), 3)[:, None], _rigid_motions(body)
+        self._nearly = TwoLevel(self._matrix, linear_fields(body.connectivity, len(body.masses)), self._shift * float(body.masses.mean()))
+
+    def displacement(self, loads: Floats) -> Floats:
+        """Displacements without motion as a whole [mm] under loads [N], both of shape [3 node_count, loads].
+
+        Raises:
+            SimulationFailed: If the equations cannot be solved.
+        """
+        if not np.isfinite(loads).all():
+            raise SimulationFailed("what a load leaves could not be found: it is not a finite number")
+        solved = np.concatenate([self._solved(loads[:, first : first + AT_ONCE]) for first in range(0, loads.shape[1], AT_ONCE)], axis=1)
+        return np.asarray(solved - self._rigid @ (self._rigid.T @ (self._root * solved)) / self._root)
+
+    def _solved(self, loads: Floats) -> Floats:
+        found = _by_conjugate_gradients(self._matrix, self._nearly, loads)
+        if found is None:  # flat tetrahedra, see MOST_ROUNDS
+            found = _by_conjugate_gradients(self._matrix, self._factors, loads)
+        if found is None:
+            raise SimulationFailed("what a load leaves could not be found: its equations were not solved")
+        return found
+
+    @cached_property
+    def _factors(self) -> Callable[[Floats], Floats]:
+        """As good as the inverse, past the motions as a whole, which a shift alone holds."""
+        try:
+            return _factors((self._matrix + self._shift * diags_array(self._root[:, 0] ** 2)).tocsc())
+        except (RuntimeError, MemoryError) as error:
+            raise SimulationFailed(f"the equations of the part could not be factorised: {error}") from error
+
+
+def _by_conjugate_gradients(matrix: bsr_array, preconditioner: Callable[[Floats], Floats], right: Floats) -> Floats | None:
+    """A x = b of several right sides, shape [n, columns], each with steps of its own; None if one takes too many."""
+    found, rest = np.zeros_like(right), right.copy()
+    towards = preconditioner(rest)
+    way, size = towards, np.einsum("nc,nc->c", rest, towards)
+    first = np.maximum(size, np.finfo(float).tiny)
+    for _ in range(ITERATIONS):
+        if (size <= ENOUGH**2 * first).all():
+            return found
+        image = matrix @ way
+        step = size / np.maximum(np.einsum("nc,nc->c", way, image), np.finfo(float).tiny)
+        found, rest = found + step * way, rest - step * image
+        towards, before = preconditioner(rest), size
+        size = np.einsum("nc,nc->c", rest, towards)
+        way = towards + size / np.maximum(before, np.finfo(float).tiny) * way
+    return None
 
 
 PRECISE = 1e-5
@@ -151,11 +217,16 @@ def lowest_period(body: Discretisation) -> float:
     if len(root) <= max(DENSE, 2 * rigid.shape[1]):
         lowest = float(np.sort(eigvalsh(matrix.toarray()))[rigid.shape[1]])
     else:
-        slowest = body.stiffness.material.bar_wave_speed / float(np.linalg.norm(np.ptp(body.positions, axis=0)))
         fields = csr_array(diags_array(1.0 / root) @ linear_fields(body.connectivity, len(body.masses)))
-        shift = (0.02 * slowest) ** 2  # far below that of a bar as long
+        shift = _far_below_a_bar(body)
         lowest = _lowest_past(rigid, matrix, TwoLevel(matrix, fields, shift)) or _by_factors(rigid, matrix, shift)
     return float(2.0 * np.pi / np.sqrt(lowest))
+
+
+def _far_below_a_bar(body: Discretisation) -> float:
+    """An eigenvalue of K x = ω² M x far below those of a bar as long as the body [1/ms²]."""
+    length = float(np.linalg.norm(np.ptp(body.positions, axis=0)))
+    return (0.02 * body.stiffness.material.bar_wave_speed / length) ** 2
 
 
 def _lowest_past(rigid: Floats, matrix: bsr_array, preconditioner: TwoLevel) -> float | None:
@@ -183,14 +254,14 @@ def _by_factors(rigid: Floats, matrix: bsr_array, shift: float) -> float:
     """As `_lowest_past` by shift-invert Lanczos, which takes up to minutes."""
     try:
         shifted = (matrix + shift * eye_array(len(rigid), format="bsr")).tocsc()
-        factor = splu(shifted, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+        solve = _factors(shifted)
     except (RuntimeError, MemoryError) as error:
         raise SimulationFailed(f"the lowest period of the part could not be found: {error}") from error
 
     def elastic(x: Floats) -> Floats:
         return np.asarray(x - rigid @ (rigid.T @ x))
 
-    inverse = LinearOperator(matrix.shape, matvec=lambda x: elastic(factor.solve(x)), dtype=np.float64)
+    inverse = LinearOperator(matrix.shape, matvec=lambda x: elastic(solve(x)), dtype=np.float64)
     start = elastic(np.random.default_rng(0).standard_normal(len(rigid)))
     return float(eigsh(matrix, k=1, sigma=-shift, OPinv=inverse, v0=start, tol=PRECISE, return_eigenvectors=False)[0])
 
