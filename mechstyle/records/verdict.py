@@ -84,9 +84,13 @@ class Row(msgspec.Struct, frozen=True, kw_only=True):
         """Share of what is allowed that is used, of bend or of strain, whichever is more: above 1 the test fails."""
         if self.stress is not None and self.limit is not None:
             return self.stress / self.limit
-        plain = self.plain_plastic_strain or 0.0
-        strain = self.plastic_strain / max(self.elongation, plain) if self.elongation else 0.0
+        strain = self.plastic_strain / self.strain_limit if self.elongation else 0.0
         return math.inf if self.collapses and self.outcome == "FAILS" else max(self.permanent_set / self.allowed, strain)
+
+    @property
+    def strain_limit(self) -> float:
+        """The elongation at break; none, infinity, where the original cracks as well."""
+        return math.inf if (self.plain_plastic_strain or 0.0) > self.elongation else self.elongation
 
     @property
     def sure(self) -> bool:
@@ -96,10 +100,12 @@ class Row(msgspec.Struct, frozen=True, kw_only=True):
         if self.collapses:
             return True
         bend = abs(self.permanent_set - self.allowed) > max(REPEATS, REPEATS_SHARE * self.allowed)
-        limit = max(self.elongation, self.plain_plastic_strain or 0.0)
-        strain = abs(self.plastic_strain - limit) > REPEATS_SHARE * limit
+        limit, margin = self.elongation, REPEATS_SHARE * self.elongation
+        strain = abs(self.plastic_strain - limit) > margin
+        if self.strain_limit > limit:  # what excuses a crack is that of the original, which must be sure
+            strain = self.plastic_strain < limit - margin or (self.plain_plastic_strain or 0.0) > limit + margin
         if self.outcome == "FAILS":  # one sure failure is enough
-            return (bend and self.permanent_set > self.allowed) or (strain and self.plastic_strain > limit)
+            return (bend and self.permanent_set > self.allowed) or (strain and self.plastic_strain > self.strain_limit)
         return bend and strain
 
     @property
