@@ -50,16 +50,6 @@ class Row(Entry, frozen=True, kw_only=True):
         """The verdict in sentences, "" if it was not simulated."""
         return "" if self.verdict is None else self.verdict.words
 
-    @property
-    def stress(self) -> float | None:
-        """σ_V in the test that decides [MPa], None if it was not simulated or not to an answer."""
-        return None if self.verdict is None or self.verdict.deciding is None else self.verdict.deciding.stress
-
-    @property
-    def limit(self) -> float | None:
-        """What σ_V may at most be there [MPa], None as for `stress`."""
-        return None if self.verdict is None or self.verdict.deciding is None else self.verdict.deciding.limit
-
 
 class Step(Row, frozen=True, kw_only=True):
     """A simulated checkpoint in figures; other fields as in `Row`.
@@ -164,23 +154,30 @@ def largest_mask_change(found: Sequence[Step]) -> Step | None:
 
 
 class SimulationLine(msgspec.Struct, frozen=True, kw_only=True):
-    """One simulation of a lane, and its verdict; σ_V and its limit [MPa] are of the test that decides, None without an answer."""
+    """One simulation of a lane, and its verdict.
+
+    What stays bent and what may [mm], or of the published rule alone stress and limit [MPa], are of the worst test; None without an answer.
+    """
 
     iteration: int
     reason: str
     outcome: str
-    stress: float | None
-    limit: float | None
+    permanent_set: float | None = None
+    allowed: float | None = None
+    stress: float | None = None
+    limit: float | None = None
     words: str
     sure: bool
 
     @classmethod
     def of(cls, entry: Entry, verdict: Verdict) -> SimulationLine:
         """The line of a simulated checkpoint and its verdict."""
-        row = verdict.deciding
+        row, names = verdict.deciding, ("permanent_set", "allowed")
+        if row is not None and row.test == "published rule":
+            names = ("stress", "limit")
         return cls(
             iteration=entry.iteration, reason=entry.reason, outcome=verdict.outcome, words=verdict.words, sure=verdict.sure,
-            stress=None if row is None else row.stress, limit=None if row is None else row.limit,
+            **({} if row is None else {name: getattr(row, name) for name in names}),
         )  # fmt: skip
 
 

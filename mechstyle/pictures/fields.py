@@ -106,8 +106,8 @@ def stays_bent(row: Row) -> Quantity:
         return np.asarray(np.linalg.norm(simulation.set_of(landing=row.landing, load=row.load), axis=1), np.float32)
 
     return Quantity(
-        STAYS_BENT, "what stays bent", "mm", (0.0, BENT_ABOVE * row.allowed), row.allowed, sentences.label(row), bounded=True, tested=length,
-        title="what stays bent", edge="allowed",
+        STAYS_BENT, "what stays bent", "mm", (0.0, BENT_ABOVE * row.allowed), row.allowed, sentences.label(row), bounded=True,
+        tested=length, edge="allowed",
     )  # fmt: skip
 
 

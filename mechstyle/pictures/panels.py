@@ -91,8 +91,9 @@ def stress_note(surface: SurfaceMesh, stress: NDArray[Any], strength: float, row
 
 
 def checkpoint_panels(
-    original: SurfaceMesh, state: Checkpoint, recipe: Recipe, measured: Verdict | None, measured_at: int | None, simulation: Simulation | None
-) -> list[Panel]:
+    original: SurfaceMesh, state: Checkpoint, recipe: Recipe,
+    measured: Verdict | None, measured_at: int | None, simulation: Simulation | None,
+) -> list[Panel]:  # fmt: skip
     """Styled look with its outcome, stress and what stays bent in the worst test, and mask of a checkpoint, side by side.
 
     `measured` is the verdict of the last test that gave an answer, `simulation`, at an iteration; None if none gave one. If a later one
@@ -109,7 +110,8 @@ def checkpoint_panels(
         note = f"UNKNOWN: the later test at iteration {state.simulated_at} gave no answer"
     stress = fields.quantities(recipe, measured)[0]
     of_stress = stress_note(styled, state.stress, recipe.test.material.yield_strength, row)
-    panels = [Panel(styled, f"“{recipe.style.prompt}”", note=note), field_panel(styled, stress, state.stress, title=f"stress{when}", note=of_stress)]
+    panels = [Panel(styled, f"“{recipe.style.prompt}”", note=note)]
+    panels.append(field_panel(styled, stress, state.stress, title=f"stress{when}", note=of_stress))
     if row is not None and row.test != "published rule" and simulation is not None:
         panels.append(bent_panel(styled, simulation, row, title=f"what stays bent{when}"))
     held = f"{state.restrained.mean():.0%} restrained"

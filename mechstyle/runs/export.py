@@ -69,8 +69,7 @@ def exported(
     known, plan, words = known_fields(store, lane, part, state) if fields else (), None, dict[str, str]()
     for one in known:
         label = f"{one.quantity.label} [{one.quantity.unit}]" if one.quantity.unit else one.quantity.label
-        most = one.quantity.most and f"{one.quantity.most} stands for that and more"
-        words[one.quantity.name] = "; ".join(filter(None, (label, one.note, most)))
+        words[one.quantity.name] = "; ".join(filter(None, (label, one.note)))
     if path.suffix.lower() == ".3mf":
         plan = write_for_printing(path, styled, part, recipe, printing, name=name)
     else:

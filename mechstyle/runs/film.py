@@ -14,11 +14,12 @@ from PIL import Image, ImageDraw, ImageFont
 from mechstyle._colour import linear_to_srgb
 from mechstyle._files import write_whole
 from mechstyle.errors import BadInput
+from mechstyle.fea.orientations import FLAT
 from mechstyle.pictures.camera import Camera
 from mechstyle.pictures.colormap import STRIPE, Scale, hatch
 from mechstyle.pictures.scene import Field, render
 from mechstyle.pictures.visibility import visible
-from mechstyle.records import sentences
+from mechstyle.records import Simulation, sentences
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.runs.run import Run
 from mechstyle.simulation.impact import Impact, impact_of
@@ -106,22 +107,20 @@ def _check(runs: Sequence[Run]) -> None:
 
 def _scenes(run: Run, *, plain: bool, progress: Callable[[float], None]) -> list[Scene]:
     """A run, after its part without a style if that is wanted."""
-    part, recipe, end = run.part, run.recipe, run.checkpoint()
-    verdict = end.verdict
-    row = None if verdict is None else verdict.row("flat")
+    recipe, end = run.recipe, run.checkpoint()
+    simulator = run.simulator(recipe, lambda _: progress(0.0))
+    styled, row = run.simulation(), None if end.verdict is None else end.verdict.row(landing=FLAT)
     watched = recipe.restraint.guarantee or (recipe.schedule.when != "never" and recipe.restraint.feedback)
-    how = "MechStyle" if watched else "Freestyle"
-    ending = "" if row is None or row.height is None else f"{row.outcome}: survives {sentences.length(row.height)}"
-    styled = part.surface.displaced(end.displacement)
+    title, known = f"{'MechStyle' if watched else 'Freestyle'}: {recipe.style.prompt[:28]}", row is not None
 
-    def landed(displacement: NDArray[np.float32]) -> Impact:
-        return impact_of(part, recipe, displacement, run.store.memo, lambda _: progress(0.0))
+    def scene(title: str, simulation: Simulation, ending: str) -> Scene:
+        impact = impact_of(simulator, simulation, FLAT, lambda _: progress(0.0))
+        return Scene(title, ending if known else "", simulator.part.surface.displaced(simulation.displacement), impact)
 
-    scenes = [Scene(f"{how}: {recipe.style.prompt[:28]}", ending, styled, landed(end.displacement))]
+    scenes = [scene(title, styled, "" if row is None else f"{sentences.found(row)} stays bent")]
     if plain:
-        before = None if row is None else row.original
-        ending = "" if before is None else f"survives {sentences.length(before)}"
-        scenes.insert(0, Scene("plain part", ending, part.surface, landed(np.zeros_like(end.displacement))))
+        base = simulator.baseline
+        scenes.insert(0, scene("plain part", base, f"{sentences.bend(base.landings[0].permanent_set)} stays bent" if base.landings else ""))
     return scenes
 
 
@@ -131,9 +130,8 @@ def _frames(scenes: Sequence[Scene], strength: float, count: int, size: int, pro
     span = float(np.ptp(whole, axis=0).max())
     last = min(float(one.impact.time[-1]) for one in scenes)
     end = min(max(1.6 * float(one.impact.time[one.impact.peak]) for one in scenes), last) or last
-    moments = np.linspace(0.0, end, count)
-    highest = max(float(one.impact.stress.max()) for one in scenes)
-    scale = Scale(0.0, max(1.25 * strength, min(highest, 2.0 * strength)), strength)
+    moments = [*np.linspace(0.0, end, count - 1), np.inf]  # and the shape that stays
+    scale = Scale(0.0, 1.25 * strength, strength)
     cloud = np.concatenate([whole, whole + UP * AIR * span, [[whole[:, 0].mean(), whole[:, 1].mean(), -0.06 * span]]])
     tall = round(1.15 * size)
     camera = Camera.fitted(cloud, AZIMUTH, 0.0, aspect=size / tall)
@@ -150,7 +148,8 @@ def _frames(scenes: Sequence[Scene], strength: float, count: int, size: int, pro
             left = EDGE + place * (size + EDGE)
             page.paste(Image.fromarray(picture), (left, BAND))
             ImageDraw.Draw(page).text((left, 6), one.ending if final and one.ending else one.title, INK, ImageFont.load_default(16))
-        _legend(page, scale, BAND + tall, "" if time is None else f"{time:.2f} ms after first touch", factor)
+        when = "" if time is None else "the shape that stays" if final else f"{time:.2f} ms after first touch"
+        _legend(page, scale, BAND + tall, when, factor)
         pictures.append(page)
         progress((number + 1) / (FALLING + count))
     return pictures

@@ -1,13 +1,15 @@
-"""Which way up to print the part of a run: what its layers bear in the drop, what hangs over, how high it is.
+"""Which way up to print the part of a run: what its layers bear in falls and under loads, what hangs over, how high it is.
 
 A part lands as it always did, whichever way up it was printed; what changes is where its layers lie. So a way up is judged by the run's own
-drop as placed and its load cases, with layers along it; up and down are the same layers, and one drop serves both.
+landings and load cases, with layers along it; up and down are the same layers, and one test serves both.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from functools import cached_property
+from typing import NamedTuple
 
 import msgspec
 import numpy as np
@@ -16,7 +18,7 @@ from mechstyle.errors import BadInput
 from mechstyle.fea.explicit import Progress, no_progress
 from mechstyle.fea.orientations import FLAT, resting
 from mechstyle.geometry.upright import standing
-from mechstyle.records import Recipe, Simulation
+from mechstyle.records import Recipe, Simulation, judge
 from mechstyle.records.regions import Point
 from mechstyle.runs.run import Run
 from mechstyle.simulation.part import Stage
@@ -24,8 +26,10 @@ from mechstyle.simulation.simulator import DropSimulator
 
 COUNT = 6
 """Ways up that are compared, at most."""
-ALIKE = 0.05
-"""Demands within a step of this count as alike: meshes of one part differ by as much."""
+ALIKE = 0.1
+"""Shares of what is allowed within a step of this count as alike …"""
+LITTLE = 0.5
+"""… and all below this: meshes of one part differ by as much."""
 
 
 class WayUp(msgspec.Struct, frozen=True, kw_only=True):
@@ -34,9 +38,8 @@ class WayUp(msgspec.Struct, frozen=True, kw_only=True):
     Attributes:
         name: What it is called.
         up: Direction of the part's frame that points up in the printer.
-        stress: The largest of what the drop as placed, those tilted a little and the load cases leave, layers judged [MPa]; None if that
-            is not known.
-        limit: What it may at most be: the yield strength along the layers [MPa].
+        permanent_set: What stays bent in the worst test, layers judged [mm]; None if that is not known.
+        used: Share of what is allowed that this test uses, of bend or of strain: above 1 the part fails. None as before.
         overhang: Area that needs support [mm²].
         height: Height in the printer [mm].
         base: Area on the bed [mm²].
@@ -44,21 +47,16 @@ class WayUp(msgspec.Struct, frozen=True, kw_only=True):
 
     name: str
     up: Point
-    stress: float | None
-    limit: float
+    permanent_set: float | None
+    used: float | None
     overhang: float
     height: float
     base: float
 
     @property
-    def demand(self) -> float:
-        """Stress over limit, 0 if it is not known."""
-        return 0.0 if self.stress is None else self.stress / self.limit
-
-    @property
     def rank(self) -> tuple[float, float, float]:
-        """What orders the ways up, least first: demand in steps of ALIKE, then overhang, then height."""
-        return np.floor(self.demand / ALIKE), self.overhang, self.height
+        """What orders the ways up, least first: the share used in steps of ALIKE, then overhang, then height."""
+        return np.floor(max(self.used or 0.0, LITTLE) / ALIKE), self.overhang, self.height
 
 
 class WaysUp(msgspec.Struct, frozen=True, kw_only=True):
@@ -87,10 +85,9 @@ def ways_up(
     plain = run.record.droppable(run.part, run.store.root / "part.json").surface  # whose flat sides are flat
     ways = resting(plain.vertices, plain.centre_of_mass, count)
     known = _Layers(run, recipe, run.simulation(iteration), state.displacement, stage, progress)
-    limit = recipe.test.material.yield_strength
     found = [
-        WayUp(name=_called(name, up), up=up, stress=known.stress(up), limit=limit, **standing(mesh, up)._asdict())
-        for name, up in zip(ways.names, map(_rounded, ways.normals), strict=True)
+        WayUp(name=_called(name, up), up=up, permanent_set=worst and worst.bend, used=worst and worst.used, **standing(mesh, up)._asdict())
+        for name, up, worst in ((name, up, known.worst(up)) for name, up in zip(ways.names, map(_rounded, ways.normals), strict=True))
     ]
     return WaysUp(ways=tuple(sorted(found, key=lambda way: way.rank)), layers=known.words, drops=known.drops)
 
@@ -110,14 +107,21 @@ def _called(name: str, up: Point) -> str:
     return f"on its {side} side" if abs(up[axis]) > 0.99 else f"tilted on its {side} side"
 
 
+class Worst(NamedTuple):
+    """What stays bent in the worst test [mm], and the share of what is allowed that it uses."""
+
+    bend: float
+    used: float
+
+
 class _Layers:
-    """Stress of a part in its landings and under its loads, for layers along any direction."""
+    """What stays bent of a part after its landings and loads, for layers along any direction."""
 
     def __init__(self, run: Run, recipe: Recipe, last: Simulation, displacement: np.ndarray, stage: Stage, progress: Progress) -> None:
         """Begin with what the run knows; drops are made when they are asked for."""
         self._recipe, self._last, self._displacement, self._stage = recipe, last, displacement, stage
         self._run, self._progress = run, progress
-        self._known: dict[Point, float] = {}
+        self._known: dict[Point, Worst] = {}
         self.drops = 0
 
     @cached_property
@@ -133,15 +137,15 @@ class _Layers:
         source = material.layer_source or material.source
         return f"across its layers {material.label} bears {material.layer_ratio:g} of what it bears along them ({source})"
 
-    def stress(self, up: Point) -> float | None:
-        """What decides in the drops for layers along a direction [MPa]; None if the material's layers are not known."""
+    def worst(self, up: Point) -> Worst | None:
+        """The worst test for layers along a direction; None if the material's layers are not known."""
         ratio = self._recipe.test.material.layer_ratio
         if ratio is None:
             return None
         x, y, z = up
         down = (0.0 - x, 0.0 - y, 0.0 - z)
         if ratio == 1.0 or self._recipe.test.build_direction in (up, down):
-            return _deciding(self._last)
+            return _worst(self._last, self._recipe)
         axis = max(up, down)
         if axis not in self._known:
             self._stage(f"drop with layers along ({axis[0]:g}, {axis[1]:g}, {axis[2]:g})")
@@ -150,13 +154,11 @@ class _Layers:
             self.drops += 1
             part = replace(self._simulator.part, tets=body.tets, at=body.at)
             layered = replace(self._simulator, part=part, recipe=recipe)
-            self._known[axis] = _deciding(layered.simulate(self._displacement, thorough=False))
+            self._known[axis] = _worst(layered.simulate(self._displacement, thorough=True), recipe)
         return self._known[axis]
 
 
-def _deciding(simulation: Simulation) -> float:
-    """The largest σ_V of flat and nearly flat landings and of load cases [MPa]; infinite if there is no answer."""
-    if simulation.failure:
-        return float("inf")
-    landings = [landing.stress for landing in (*simulation.of("flat"), *simulation.of("nearly flat"))]
-    return max(*landings, *(case.stress for case in simulation.loads), 0.0)
+def _worst(simulation: Simulation, recipe: Recipe) -> Worst:
+    """The worst test of a part by itself; infinite if there is no answer."""
+    row = judge(simulation, None, recipe).deciding
+    return Worst(math.inf, math.inf) if row is None else Worst(row.permanent_set, row.used)

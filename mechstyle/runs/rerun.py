@@ -15,13 +15,15 @@ from mechstyle.errors import BadInput
 from mechstyle.loop.engine import Checkpointed, Event
 from mechstyle.loop.objects import AT_REST, MESH_FOR
 from mechstyle.loop.store import Entry, Lane, Store
-from mechstyle.records import Verdict
+from mechstyle.records import Verdict, sentences
 from mechstyle.runs import images
 from mechstyle.runs.run import Run
 from mechstyle.simulation.meshes import KeptMesh
 
 CLOSE = 1e-5
-"""Relative difference of a stress that another processor may make."""
+"""Relative difference of what stays bent, or stress, that another processor may make …"""
+LEAST = 1e-3
+"""… of what is at least this large [mm, MPa]."""
 
 
 class Difference(msgspec.Struct, frozen=True, kw_only=True):
@@ -30,7 +32,7 @@ class Difference(msgspec.Struct, frozen=True, kw_only=True):
     Attributes:
         iteration: When.
         test: The test in which the two differ most, "" where neither gave an answer.
-        before: Its stress then [MPa]; NaN without an answer.
+        before: What stayed bent in it then [mm]; by the published rule the stress [MPa]; NaN without an answer.
         again: The same in the repetition [MPa].
         verdict: Outcome then.
         verdict_again: Outcome in the repetition.
@@ -52,8 +54,8 @@ class Rerun(msgspec.Struct, frozen=True, kw_only=True):
         same_bytes: Whether every iteration has the bytes it had.
         first_other: The first iteration that has not, None if there is none.
         drops: Simulations compared.
-        largest: Largest relative difference of a stress.
-        differences: Simulations whose outcome is another, or whose stress is further off than CLOSE.
+        largest: Largest relative difference of what stays bent.
+        differences: Simulations whose outcome is another, or of which what stays bent is further off than CLOSE.
     """
 
     folder: str
@@ -65,7 +67,7 @@ class Rerun(msgspec.Struct, frozen=True, kw_only=True):
 
     @property
     def equal(self) -> bool:
-        """Whether all outcomes are the same and no stress is further off than CLOSE."""
+        """Whether all outcomes are the same and nothing is further off than CLOSE."""
         return not self.differences
 
     @property
@@ -75,10 +77,11 @@ class Rerun(msgspec.Struct, frozen=True, kw_only=True):
         if self.same_bytes:
             return f"equal: every iteration and all {drops} have the same bytes"
         if self.equal:
-            close = f"the outcomes of {drops} are the same, their stresses within {self.largest:.1e}"
+            close = f"the outcomes of {drops} are the same, what stays bent within {self.largest:.1e}"
             return f"equal: {close}; other bytes from iteration {self.first_other} on"
         first = self.differences[0]
-        figures = f"{first.verdict_again}, {first.again:.4g} MPa, instead of {first.verdict}, {first.before:.4g} MPa"
+        unit = "MPa" if first.test == "published rule" else "mm"
+        figures = f"{first.verdict_again}, {first.again:.4g} {unit}, instead of {first.verdict}, {first.before:.4g} {unit}"
         found = f"{figures} ({first.test})" if first.test else figures
         return f"differs: {len(self.differences)} of {drops}, the first at iteration {first.iteration}: {found}"
 
@@ -145,7 +148,7 @@ def compared(before: Sequence[Entry], again: Sequence[Entry], folder: str) -> Re
     for old, new in zip(before, again, strict=False):
         if old.verdict is None:
             continue
-        earlier, later = _stresses(old.verdict), _stresses(new.verdict)
+        earlier, later = _figures(old.verdict), _figures(new.verdict)
         apart = {test: _share(earlier.get(test, math.nan), later.get(test, math.nan)) for test in {**earlier, **later} or ("",)}
         worst = max(apart, key=apart.__getitem__)
         found.append(
@@ -162,13 +165,14 @@ def compared(before: Sequence[Entry], again: Sequence[Entry], folder: str) -> Re
     )  # fmt: skip
 
 
-def _stresses(verdict: Verdict | None) -> dict[str, float]:
-    """The stress of each test [MPa], by its name."""
-    return {} if verdict is None else {f"load {row.load}" if row.load else row.test: row.stress for row in verdict.rows}
+def _figures(verdict: Verdict | None) -> dict[str, float]:
+    """What stays bent in each test [mm], or its stress [MPa], by its name."""
+    rows = () if verdict is None else verdict.rows
+    return {sentences.label(row): row.permanent_set if row.stress is None else row.stress for row in rows}
 
 
 def _share(before: float, again: float) -> float:
-    """Relative difference of a stress, 0 where neither gave an answer and infinite where one did."""
+    """Relative difference of two figures, 0 where neither gave an answer and infinite where one did."""
     if math.isnan(before) or math.isnan(again):
         return 0.0 if math.isnan(before) and math.isnan(again) else math.inf
-    return abs(again - before) / max(abs(before), 1e-12)
+    return abs(again - before) / max(abs(before), LEAST)

@@ -138,13 +138,14 @@ class Run:
     # what can be done with it
 
     def show(self, iteration: int | None = None, *, fields: Sequence[str] = ()) -> Picture:
-        """Styled part, stress and mask, or the `fields` named, side by side: a notebook displays it, `.save(path)` writes the PNG."""
+        """Styled part, stress, what stays bent and mask, or the `fields` named, side by side; `.save(path)` writes the PNG."""
         state = self.checkpoint(iteration)
         recipe = self.store.recipe(state.recipe)
         measured = measured_at(self.history, self.store.find(iteration, self.lane).digest)
         verdict = None if measured is None else self.store.find(measured, self.lane).verdict
-        look, stress, restraint = checkpoint_panels(self.part.surface, state, recipe, verdict, measured)
-        shown = [stress, with_protected(restraint, bounds_for(self.part, recipe)[0].freedom == 0.0)]
+        simulation = None if measured is None else self.simulation(measured)
+        look, *of_test, restraint = checkpoint_panels(self.part.surface, state, recipe, verdict, measured, simulation)
+        shown = [*of_test, with_protected(restraint, bounds_for(self.part, recipe)[0].freedom == 0.0)]
         if fields:
             shown = chosen_panels(look.mesh, known_fields(self.store, self.lane, self.part, state), fields)
         return picture([look, *shown], title=f"{self.record.name}, iteration {state.iteration}")

@@ -21,8 +21,8 @@ class Summary(msgspec.Struct, frozen=True, kw_only=True):
     Attributes:
         outcome: HOLDS, NO WORSE, FAILS or UNKNOWN.
         doubts: Why the outcome is not sure; none if it is.
-        safety_factor: Yield strength over σ_V, the least of the tests that decide; None if that is not known.
-        rows: The tests, each with what the part and its original survive and what was asked.
+        tolerance: The most that may stay bent [mm].
+        rows: The tests, each with what stays bent of the part and of its original, and what may.
         words: The verdict in sentences.
         landings: What each drop of the last simulation did, flat first.
         loads: What each load case did then.
@@ -47,7 +47,7 @@ class Summary(msgspec.Struct, frozen=True, kw_only=True):
 
     outcome: str
     doubts: tuple[Doubt, ...]
-    safety_factor: float | None
+    tolerance: float
     rows: tuple[Row, ...]
     words: str
     landings: tuple[Landing, ...]
@@ -81,7 +81,7 @@ def summarise(engine: Engine, *, device: str, notes: tuple[str, ...], seconds: d
     start, kept = history[0].style_loss, engine.kept(last)
     little = sentences.little_left(kept, engine.recipe.style.side) if engine.recipe.restraint.guarantee else ""
     return Summary(
-        outcome=verdict.outcome, doubts=verdict.doubts, safety_factor=verdict.safety_factor, rows=verdict.rows, words=verdict.words,
+        outcome=verdict.outcome, doubts=verdict.doubts, tolerance=verdict.tolerance, rows=verdict.rows, words=verdict.words,
         landings=simulation.landings, loads=simulation.loads, plain=engine.simulator.judge(engine.simulator.baseline, alone=True),
         simulations=simulations(history), style_loss=last.style_loss, style_loss_ratio=last.style_loss / start if start else 0.0,
         kept=kept, iterations=last.iteration, meshing=simulation.meshing, carried=simulation.carried,

@@ -14,13 +14,15 @@ from numpy.typing import ArrayLike
 from mechstyle.errors import BadInput
 from mechstyle.fea.drop import Drop, History
 from mechstyle.fea.elements import EDGES, ElementMesh
+from mechstyle.fea.permanent_set import at_nodes
 from mechstyle.fea.snapshots import Snapshot
-from mechstyle.fea.stressed_volume import at_nodes
 from mechstyle.pictures import fields
 from mechstyle.pictures.panels import Picture
-from mechstyle.records import Row
 from mechstyle.records.mesh import Floats, TetMesh
 from mechstyle.simulation.impact import Impact, nearest_rigid
+
+SHARES = ("kinetic", "strain", "plastic_work", "contact_loss", "damping_loss")
+"""Where the energy of a drop is in the end, as `History` has it."""
 
 
 class Course(msgspec.Struct, frozen=True, kw_only=True):
@@ -38,6 +40,7 @@ class Course(msgspec.Struct, frozen=True, kw_only=True):
         energy: Kinetic energy at first touch [mJ].
         kinetic: Share of that, and of the work of weight since, that is kinetic energy at the end.
         strain: Share that is strain energy then.
+        plastic_work: Share that bending for good took.
         contact_loss: Share that the floor took.
         damping_loss: Share that damping took.
         balance_error: Largest error of the balance over the drop, as a share; measured without damping. None if that drop failed.
@@ -54,6 +57,7 @@ class Course(msgspec.Struct, frozen=True, kw_only=True):
     energy: float
     kinetic: float
     strain: float
+    plastic_work: float
     contact_loss: float
     damping_loss: float
     balance_error: float | None
@@ -68,7 +72,8 @@ class Course(msgspec.Struct, frozen=True, kw_only=True):
             vertices: Of the surface [mm], shape [vertex_count, 3].
             balance_error: Of `simulator.Detail`.
         """
-        frame, vertex = np.unravel_index(np.argmax(impact.stress), impact.stress.shape)
+        moments = impact.stress[: impact.end]
+        frame, vertex = np.unravel_index(np.argmax(moments), moments.shape)
         history = dropped.history[0]
         force = history.contact_force
         energy = float(history.kinetic[0])
@@ -84,16 +89,16 @@ class Course(msgspec.Struct, frozen=True, kw_only=True):
             touches=tuple((phase.start, phase.speed) for phase in dropped.phases[0]),
             ended=dropped.endings[0],
             energy=energy,
-            **{name: float(getattr(history, name)[-1] / given) for name in ("kinetic", "strain", "contact_loss", "damping_loss")},
+            **{name: float(getattr(history, name)[-1] / given) for name in SHARES},
             balance_error=balance_error,
         )
 
     @property
     def words(self) -> str:
         """Energy balance of the drop, in one sentence."""
-        where = f"Of {self.energy:.0f} mJ the floor took {self.contact_loss:.0%} and damping {self.damping_loss:.0%}"
+        took = f"the floor took {self.contact_loss:.0%}, bending {self.plastic_work:.0%} and damping {self.damping_loss:.0%}"
         left = f"{self.kinetic:.0%} are motion and {self.strain:.0%} strain in the end"
-        return f"{where}; {left}; {self.balance_words}."
+        return f"Of {self.energy:.0f} mJ {took}; {left}; {self.balance_words}."
 
     @property
     def touch_words(self) -> str:
@@ -110,24 +115,28 @@ class Course(msgspec.Struct, frozen=True, kw_only=True):
         return f"without damping the balance closes to {100 * self.balance_error:.1g} %, {kept} 1 %"
 
 
-def history_picture(history: History, impact: Impact, course: Course, flat: Row) -> Picture:
-    """Peak stress, energies and contact force of the drop as placed over time.
+def history_picture(history: History, impact: Impact, course: Course, strength: float) -> Picture:
+    """Largest stress, energies and contact force of the drop as placed over time.
 
     Args:
         history: Of the drop as placed.
         impact: The same drop on the surface.
         course: Its figures.
-        flat: How the drop is judged.
+        strength: Yield strength [MPa].
     """
     from mechstyle.pictures.plots import Curve, Plot, plots_png  # noqa: PLC0415 — matplotlib is loaded when a picture is wanted
 
-    judged, (x, y, z) = fields.moment(flat.limit, flat), course.peak_where
+    (x, y, z), end = course.peak_where, impact.end
     stress = Plot(
-        judged.label.capitalize(), "MPa", [Curve("at the surface", impact.time, judged.made(impact.stress.max(axis=1)), stepped=True)],
-        limit=(flat.limit, f"limit {flat.limit:.1f} MPa"), mark=(course.peak_time, min(course.peak_stress, flat.stress)),
-        words=f"{judged.most}; highest by {course.peak_time:.2f} ms, at ({x:.1f}, {y:.1f}, {z:.1f}) mm",
+        fields.moment(strength).label.capitalize(), "MPa",
+        [Curve("at the surface", impact.time[:end], impact.stress[:end].max(axis=1), stepped=True)],
+        limit=(strength, f"yields at {strength:.1f} MPa"), mark=(course.peak_time, course.peak_stress),
+        words=f"highest by {course.peak_time:.2f} ms, at ({x:.1f}, {y:.1f}, {z:.1f}) mm",
     )  # fmt: skip
-    named = (("kinetic", "kinetic"), ("strain", "strain"), ("contact_loss", "taken by the floor"), ("damping_loss", "taken by damping"))
+    named = (
+        ("kinetic", "kinetic"), ("strain", "strain"), ("plastic_work", "taken by bending"), ("contact_loss", "taken by the floor"),
+        ("damping_loss", "taken by damping"),
+    )  # fmt: skip
     energy = Plot("Energy", "mJ", [Curve(label, *_with_gaps(history, getattr(history, name))) for name, label in named])
     force = Plot(
         "Contact force", "N", [Curve("floor", *_with_gaps(history, history.contact_force), stepped=True)],
@@ -146,9 +155,9 @@ def history_figures(history: History) -> dict[str, list[float]]:
 def vtu_bytes(tets: TetMesh, drop: Drop, at: Snapshot, *, each: bool = False) -> bytes:
     """A drop test as a VTU file.
 
-    At the nodes: `displacement` at the moment of the peak [mm], fall and all, and `deformation`, the same less rigid motion; `stress` of
-    the flat landing [MPa] and `contact`; over several landings `stress_envelope`, their largest [MPa]. In the cells: `von_mises`, the
-    running maximum at the Gauss points [MPa], and `von_mises_envelope`.
+    At the nodes: `displacement` at the moment of the peak [mm], fall and all, and `deformation`, the same less rigid motion; `stays_bent`
+    after the flat landing [mm], its `stress` [MPa] and `contact`; over several landings `stress_envelope`, their largest [MPa]. In the
+    cells: `von_mises`, the running maximum at the Gauss points [MPa], `plastic_strain`, and `von_mises_envelope`.
 
     Args:
         tets: The body that was dropped.
@@ -156,7 +165,8 @@ def vtu_bytes(tets: TetMesh, drop: Drop, at: Snapshot, *, each: bool = False) ->
         at: The moment whose displacement is shown.
         each: Whether stress and contact of every landing are added, with its number among the landings.
     """
-    mesh, fields = at.mesh, np.stack([at_nodes(tets, corners) for corners in drop.corners])
+    mesh = at.mesh
+    fields = np.stack([at_nodes(tets, mesh.element.at_corners(points)) for points in drop.von_mises])
     cells = drop.von_mises.max(axis=2)
 
     def spread(values: Any) -> Floats:
@@ -168,10 +178,11 @@ def vtu_bytes(tets: TetMesh, drop: Drop, at: Snapshot, *, each: bool = False) ->
     nodes: dict[str, Any] = {
         "displacement": at.displacement,
         "deformation": mesh.nodes + at.displacement - nearest_rigid(mesh.nodes, mesh.nodes + at.displacement),
+        "stays_bent": np.stack([spread(drop.permanent[0][:, axis]) for axis in range(3)], axis=1),
         "stress": spread(fields[0]),
         "contact": touched(drop.contact[0]),
     }
-    inside: dict[str, Any] = {"von_mises": cells[0]}
+    inside: dict[str, Any] = {"von_mises": cells[0], "plastic_strain": drop.plastic_strain[0].max(axis=1)}
     if len(cells) > 1:
         nodes["stress_envelope"] = spread(fields.max(axis=0))
         inside["von_mises_envelope"] = cells.max(axis=0)

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import msgspec
 import numpy as np
@@ -20,23 +19,20 @@ from mechstyle.fea.snapshots import snapshot
 from mechstyle.geometry.proximity import TriangleTree
 from mechstyle.loop import minimum_wall as walls
 from mechstyle.pictures import fields
-from mechstyle.pictures.panels import Picture, field_panel, picture
-from mechstyle.records import Recipe, Simulation, Verdict, sentences
+from mechstyle.pictures.panels import Picture, bent_panel, field_panel, picture, stress_note
+from mechstyle.records import Recipe, Simulation, Verdict
 from mechstyle.records.landings import with_drops
 from mechstyle.records.load_cases import LoadCase, load_cases
 from mechstyle.records.material import Material, material_named
 from mechstyle.records.mesh import STANDARD_VERTICES, Field, SurfaceMesh, TetMesh
 from mechstyle.records.recipe import DEFAULTS, direction_of
-from mechstyle.records.written import length_of
+from mechstyle.records.written import length_of, tolerance_of
 from mechstyle.simulation.drop_history import Course, history_picture, vtu_bytes, vtu_path
 from mechstyle.simulation.impact import Impact, impact_of
 from mechstyle.simulation.meshes import SEEN
 from mechstyle.simulation.part import Shape, Stage, Workpiece, at_rest, cached_memo, fitted, prepare, standardised
 from mechstyle.simulation.physics import period_of, prescribed
 from mechstyle.simulation.simulator import Detail, DropSimulator
-
-if TYPE_CHECKING:
-    from mechstyle.pictures.figure import Panel
 
 ROUNDS = 20
 """Times a vertex is moved along its normal towards the styled surface; on a slope of 45° each halves what is missing."""
@@ -63,7 +59,7 @@ class PartTest:
         warning: Which walls are thinner than the printer's thinnest; "" for nothing.
         tets: The tetrahedra that were dropped.
         detail: The test in full.
-        impact: The drop as placed, moment by moment; None for one that failed.
+        impact: The drop as placed, moment by moment, and the shape that it leaves; None for one that failed.
         fit: How the tetrahedra follow the part as it was given.
         original: The same test of the original, None if none was given.
     """
@@ -98,38 +94,26 @@ class PartTest:
         return Course.of(self.detail.drop, self.impact, self.surface.vertices, self.detail.balance_error)
 
     def show(self) -> Picture:
-        """Stress of the test that decides from three sides, and of the hardest other landing if there is one."""
-        decides, surface = self.verdict.deciding, self.surface
-        stress = fields.in_the_test(fields.quantities(self.recipe, self.verdict)[0], decides)
-        if decides is None:
-            return picture([field_panel(surface, stress, self.simulation.stress, title="stress", note=sentences.note(self.verdict))])
-        panels: list[Panel] = []
-        values, first = stress.of(self.simulation), f"stress, {decides.load or decides.landing}"
-        for view, title in (("three_quarter", first), ("front", "from the front"), ("below", "from below")):
-            note = sentences.note(self.verdict) if not panels else ""
-            panels.append(field_panel(surface, stress, values, title=title, view=view, note=note))
-        others = [landing for landing in self.simulation.landings if landing.name != decides.landing]
-        if others:
-            worst = max(others, key=lambda landing: landing.stress)
-            row = self.verdict.row(worst.way)
-            assert row is not None, "every kind of landing has a row"
-            its = msgspec.structs.replace(row, landing=worst.name, stress=worst.stress)
-            stress = fields.in_the_test(fields.stress(row.limit, its), its)
-            for view, title in (("three_quarter", f"stress, {worst.name}"), ("below", "from below")):
-                panels.append(field_panel(surface, stress, stress.of(self.simulation), title=title, view=view))
-        return picture(panels, columns=3)
+        """Stress in the worst test from three sides, and what stays bent in it, exaggerated."""
+        worst, surface, strength = self.verdict.deciding, self.surface, self.recipe.test.material.yield_strength
+        stress = fields.stress(strength, worst)
+        values = stress.of(self.simulation)
+        views, note = (("three_quarter", "stress"), ("front", "from the front"), ("below", "from below")), self.verdict.short
+        panels = [field_panel(surface, stress, values, title=title, view=view) for view, title in views]
+        if worst is not None:
+            note = stress_note(surface, values, strength, worst)
+            panels += [bent_panel(surface, self.simulation, worst)] if worst.test != "published rule" else []
+        return picture([replace(panels[0], note=note), *panels[1:]], title=self.verdict.short, columns=2)
 
     def show_history(self) -> Picture:
-        """Peak stress, energies and contact force of the drop as placed over time.
+        """Largest stress, energies and contact force of the drop as placed over time.
 
         Raises:
             SimulationFailed: If the drop failed.
         """
         if self.impact is None or self.course is None:
             raise SimulationFailed(self.simulation.failure)
-        flat = self.verdict.row("flat")
-        assert flat is not None, "what was dropped has a flat landing"
-        return history_picture(self.history, self.impact, self.course, flat)
+        return history_picture(self.history, self.impact, self.course, self.recipe.test.material.yield_strength)
 
     def save_vtu(self, path: str | Path, *, each_orientation: bool = False) -> Path:
         """Write displacement, stress and contact in the body for ParaView; `drop_history.vtu_bytes` lists the fields.
@@ -162,6 +146,7 @@ def simulate(
     height: float | str | None = None,
     standard: str = DEFAULTS["standard"],
     criterion: str = DEFAULTS["criterion"],
+    tolerance: float | str = DEFAULTS["tolerance"],
     loads: str | Path | LoadCase | Sequence[LoadCase] = (),
     minimum_wall: float = DEFAULTS["minimum_wall"],
     build_direction: str | Sequence[float] | None = None,
@@ -185,6 +170,7 @@ def simulate(
         height: Height of the fall the part is to survive, [mm] or text such as "1.5 m"; 1.5 m, or what the standard asks for.
         standard: Drop standard whose orientations and height are simulated, such as `mil-810h`; the verdict is no test to it.
         criterion: `robust` or `paper`.
+        tolerance: The most that may stay bent, [mm] or text such as "0.2 mm".
         loads: A load file or load cases the part must carry besides.
         minimum_wall: The thinnest wall that is not warned about [mm]; 0 for no warning.
         build_direction: Direction it is printed in, x, y, z or a vector, so that layers are judged by their own strength; None to leave
@@ -204,7 +190,7 @@ def simulate(
     given = {name: value for name, value in asked.items() if value is not None}
     wanted = Recipe.of(
         prompt="", material=chosen, criterion=criterion, loads=load_cases(loads), minimum_wall=minimum_wall,
-        window=window, nearly_flat=nearly_flat,
+        tolerance=tolerance_of(tolerance), window=window, nearly_flat=nearly_flat,
         build_direction=None if build_direction is None else direction_of(build_direction),
         **with_drops({"standard": standard, **given}),
     )  # fmt: skip
@@ -238,7 +224,7 @@ def _tested(
         original = simulator.baseline
     verdict = simulator.judge(detail.simulation, alone=relief is None)
     stage("looking at the impact")
-    impact = None if detail.drop.failure else impact_of(part, recipe, displacement, memo, progress)
+    impact = None if detail.drop.failure else impact_of(simulator, detail.simulation, progress=progress)
     thin = walls.warnings(part.surface, part.thickness, displacement, wanted.delivery.minimum_wall)
     warning = " ".join(f"{sentence}." for sentence in thin)
     return PartTest(part, recipe, displacement, detail.simulation, verdict, warning, tets, detail, impact, fit_of(tets, given), original)

@@ -1,7 +1,7 @@
 """A part that does not hold as it is, thickened where it is overloaded, before any style: along its normals, smoothly, within a budget.
 
 What the published study leaves as future work. A wall of thickness t under a bending moment bears σ ∝ 1/t², so it is thickened by
-t (√demand − 1), half of it on each side, a round at a time: every round is simulated on the displaced part, and loads keep to the places
+t (√overload − 1), half of it on each side, a round at a time: every round is tested on the displaced part, and loads keep to the places
 they were picked at on the unthickened part.
 """
 
@@ -21,9 +21,10 @@ from mechstyle.fea.explicit import no_progress
 from mechstyle.geometry.cancelling import CancelCheck, never_cancel
 from mechstyle.geometry.region_selection import protection
 from mechstyle.geometry.resting_face import resting_weight
+from mechstyle.loop import control
 from mechstyle.pictures import fields
-from mechstyle.pictures.panels import Picture, field_panel, picture
-from mechstyle.records import Recipe, Simulation, Verdict, judge
+from mechstyle.pictures.panels import Picture, field_panel, picture, stress_note
+from mechstyle.records import Recipe, Simulation, Verdict, judge, sentences
 from mechstyle.records.load_cases import LoadCase, load_cases
 from mechstyle.records.material import Material, material_named
 from mechstyle.records.mesh import STANDARD_VERTICES, SurfaceMesh
@@ -36,10 +37,12 @@ from mechstyle.simulation.simulator import DropSimulator
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
+    from mechstyle.pictures.figure import Panel
+
 ROUNDS = 6
 """Simulations after the first at most."""
 AIM = 0.85
-"""Demand that a round aims at: below the limit, since stress moves on to what was not thickened."""
+"""Overload that a round aims at: below 1, since stress moves on to what was not thickened."""
 REACH = 4.0
 """How far around what is overloaded material is added, fading out [mm]."""
 LEAST = 0.02
@@ -96,6 +99,7 @@ class Strengthened:
     def words(self) -> str:
         """What was done, in one sentence."""
         before, after = self.verdicts
+        bends = f"{sentences.least(before)}, then {sentences.least(after)}"
         if not self.added.any():
             why = {"HOLDS": "it holds as it is", "FAILS": "there is nothing that may be"}.get(before.outcome, "its test gave no answer")
             return f"it was not thickened: {why}"
@@ -104,18 +108,20 @@ class Strengthened:
         if after.passes and not after.sure:
             held = f"it only just holds, within {self.recipe.delivery.strengthen:g} mm"
         added = f"by up to {self.added.max():.2f} mm, {self.mass_gained:.1f} g ({share:+.1%})"
-        return f"it was thickened {added}: {before.short}, then {after.short}: {held}"
+        return f"it was thickened {added}: {bends}: {held}"
 
     def show(self) -> Picture:
         """Stress before and after, and what was added between them; a notebook displays it, `.save(path)` writes the PNG."""
-        (first, last), surface = self.verdicts, self.surface
-        before, after = (fields.in_the_test(fields.quantities(self.recipe, verdict)[0], verdict.deciding) for verdict in (first, last))
-        panels = [
-            field_panel(self.part.surface, before, before.of(self.before), title=f"before: {first.short}"),
-            field_panel(surface, fields.ADDED, self.added, title=f"thickened: {self.mass_gained:+.1f} g"),
-            field_panel(surface, after, after.of(self.after), title=f"after: {last.short}"),
-        ]
-        return picture(panels)
+        (first, last), strength = self.verdicts, self.recipe.test.material.yield_strength
+
+        def stress(title: str, surface: SurfaceMesh, simulation: Simulation, verdict: Verdict) -> Panel:
+            quantity = fields.stress(strength, verdict.deciding)
+            values = quantity.of(simulation)
+            note = stress_note(surface, values, strength, verdict.deciding)
+            return field_panel(surface, quantity, values, title=f"{title}: {verdict.short}", note=note)
+
+        added = field_panel(self.surface, fields.ADDED, self.added, title=f"thickened: {self.mass_gained:+.1f} g")
+        return picture([stress("before", self.part.surface, self.before, first), added, stress("after", self.surface, self.after, last)])
 
 
 def strengthen(
@@ -185,7 +191,7 @@ def strengthened(
         BadInput: If the part, a region or a load cannot be used.
     """
     part = mesh if isinstance(mesh, Workpiece) else prepare(mesh, vertices=vertices, stage=stage, go_on=go_on)
-    plain = fitted(recipe.with_settings(orientations=1, nearly_flat=False), part)  # the tests that decide for a part by itself
+    plain = fitted(recipe, part)
     memo, where = cached_memo(), resolve_device(device)
 
     def asking(_fraction: float) -> None:
@@ -202,7 +208,7 @@ def strengthened(
         if turn == ROUNDS or holds:
             break
         most = plain.delivery.strengthen
-        more = np.minimum(added + _wanted(part, after, plain.test.material, most) * free, most).astype(np.float32)
+        more = np.minimum(added + _wanted(part, after, verdict, plain.test.material, most) * free, most).astype(np.float32)
         if float((more - added).max()) < LEAST:
             break
         added = more
@@ -244,10 +250,10 @@ def _freedom(part: Workpiece, recipe: Recipe) -> NDArray[np.float64]:
     return np.asarray(resting_weight(part.surface, low=0.5, high=3.0) * held)
 
 
-def _wanted(part: Workpiece, found: Simulation, material: Material, budget: float) -> NDArray[np.float64]:
-    """What a round adds along the normals [mm], shape [vertex_count]: by demand, spread around the overloaded places and fading out."""
-    demand = np.asarray(found.stress, np.float64) / (AIM * material.yield_strength)
-    lacking = 0.5 * part.thickness * (np.sqrt(np.maximum(demand, 1.0)) - 1.0)
+def _wanted(part: Workpiece, found: Simulation, verdict: Verdict, material: Material, budget: float) -> NDArray[np.float64]:
+    """What a round adds along the normals [mm], shape [vertex_count]: by overload, spread around where it yields and fading out."""
+    overload = control.overload(found, [row for row in verdict.rows if row.outcome == "FAILS" or not row.sure], material)
+    lacking = 0.5 * part.thickness * (np.sqrt(np.maximum(overload.astype(np.float64) / AIM, 1.0)) - 1.0)
     means = _neighbour_means(part.surface)
     rounds = max(1, round(REACH / float(np.sqrt(part.surface.vertex_areas.mean()))))
     spread = np.minimum(lacking, ONCE * budget)
