@@ -47,11 +47,17 @@ SAME = 0.02
 # --- figures ------------------------------------------------------------------------------------------------------
 
 
-def bend(permanent_set: float) -> str:
-    """A permanent set [mm] as it is told."""
+def bend(permanent_set: float, digits: int = 0) -> str:
+    """A permanent set [mm] as it is told, with so many digits behind the point or more."""
     if permanent_set < NOTHING:
         return "0 mm"
-    return f"{permanent_set:.2f} mm" if permanent_set < 9.95 else f"{permanent_set:.0f} mm"
+    return f"{permanent_set:.{max(digits, 2 if permanent_set < 9.95 else 0)}f} mm"
+
+
+def _digits(row: Row) -> int:
+    """Digits behind the point with which what is too much also reads as more than what is allowed."""
+    found, allowed = row.permanent_set, row.allowed
+    return next((n for n in range(6) if found <= allowed or bend(found, n) != bend(allowed, n)), 6)
 
 
 def stress(value: float | None, limit: float | None) -> str:
@@ -106,17 +112,17 @@ def _at_worst(row: Row, verdict: Verdict) -> str:
     """What stays bent in the worst test, where, and beside the plain part."""
     if row.collapses:
         known = "" if row.carries is None else f", at {row.carries:.2f} times the load"
-        return f"the part gives way {row.place}{known}".replace("  ", " ")
+        return f"the part gives way{f' {row.place}' if row.place else ''}{known}"
     if row.permanent_set < NOTHING and verdict.outcome == "HOLDS":
         return "nothing stays bent"
     place = f" {row.place}" if row.place else ""
     figures = [f"plain part {bend(row.plain_permanent_set)}"] if row.plain_permanent_set is not None else []
     if verdict.outcome != "HOLDS":
-        figures.append(f"{bend(row.allowed)} allowed")
+        figures.append(f"{allowed(row)} allowed")
     cracks = f", and it cracks there: {row.plastic_strain:.1%} of strain where {row.elongation:.1%} break it" if row.cracks else ""
     beside = f" ({', '.join(figures)})" if figures else ""
     at_worst = "at worst " if verdict.outcome == "HOLDS" else ""
-    return f"{at_worst}{bend(row.permanent_set)} stays bent{place}, {_landed(row)}{beside}{cracks}"
+    return f"{at_worst}{bend(row.permanent_set, _digits(row))} stays bent{place}, {_landed(row)}{beside}{cracks}"
 
 
 def _landed(row: Row) -> str:
@@ -125,7 +131,7 @@ def _landed(row: Row) -> str:
         return f"under the load {row.load!r}"
     if row.test == "nearly flat":
         return row.landing
-    return f"landing {row.landing}" if row.test == "flat" else f"landing on {row.landing}"
+    return f"landing {row.landing}" if row.test == "flat" else f"in the landing {row.landing!r}"
 
 
 def doubt(verdict: Verdict) -> str:
@@ -211,12 +217,12 @@ def found(row: Row) -> str:
     """What a test found, in a cell."""
     if row.stress is not None:
         return f"{row.stress:.1f} MPa"
-    return "gives way" if row.collapses else bend(row.permanent_set) + (", cracks" if row.cracks else "")
+    return "gives way" if row.collapses else bend(row.permanent_set, _digits(row)) + (", cracks" if row.cracks else "")
 
 
 def allowed(row: Row) -> str:
     """What a test allows, in a cell."""
-    return f"{row.limit:.1f} MPa" if row.limit is not None else bend(row.allowed)
+    return f"{row.limit:.1f} MPa" if row.limit is not None else bend(row.allowed, _digits(row))
 
 
 # --- before a run -------------------------------------------------------------------------------------------------
@@ -289,8 +295,9 @@ def side_by_side(names: tuple[str, str], verdicts: tuple[Verdict, Verdict], kept
     if first.stress is not None:
         return f"{alike}Largest stress: {names[0]} {found(first)}, {names[1]} {found(second)}; {allowed(first)} is allowed."
     where = _landed(first)
-    compared, broken = f"{found(first)} of {names[0]} and {found(second)} of {names[1]} stay bent, {where}", (first, second)
-    if abs(second.permanent_set - first.permanent_set) <= SAME and not any(row.cracks or row.collapses for row in broken):
+    each = ("gives way" if row.collapses else f"stays bent by {found(row)}" for row in (first, second))
+    compared = f"{' and '.join(f'{name} {does}' for name, does in zip(names, each, strict=True))}, {where}"
+    if abs(second.permanent_set - first.permanent_set) <= SAME and not any(row.cracks or row.collapses for row in (first, second)):
         compared = f"Of both {found(first)} stays bent, {where}"
     return f"{alike}{compared}; {allowed(first)} is allowed."
 
@@ -302,10 +309,10 @@ def little_left(kept: float, side: str) -> str:
     return f"only {kept:.0%} of the style is left: cuts into a wall weaken it, so try relief that only goes outwards (--side outwards)"
 
 
-def least_left(lane: str, verdict: Verdict, stresses: Mapping[str, float]) -> str:
-    """What a mark at the worst place says; `stresses` are those of each lane there [MPa]."""
-    known = ", ".join(f"{name} {there:.0f} MPa" for name, there in stresses.items())
-    return f"✕ marks where {lane} stays bent most ({least(verdict)}); stress there, each in its worst test: {known}."
+def least_left(lane: str, verdict: Verdict, there: Mapping[str, str]) -> str:
+    """What a mark at the worst place says; `there` are the figures of each lane at that place."""
+    known = ", ".join(f"{name} {figure}" for name, figure in there.items())
+    return f"✕ marks where {lane} stays bent most ({least(verdict)}); there, each in its worst test: {known}."
 
 
 def note(verdict: Verdict) -> str:

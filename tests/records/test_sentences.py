@@ -12,83 +12,64 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mechstyle.records import Doubt, Outcome, sentences
-from mechstyle.records.sentences import COLUMNS, EXPLANATION, MEANINGS, NOT_SURE, doubt, head, length, note, paired, short, table
-from mechstyle.records.written import written
-from support.records import STRENGTH, UNKNOWN, load_row, published_row, row, verdict
+from mechstyle.records.sentences import COLUMNS, EXPLANATION, MEANINGS, NOT_SURE, allowed, bend, doubt, found, head, label, note, short
+from support.records import TOLERANCE, UNKNOWN, load_row, published_row, row, verdict
 
-SOLID = "Solid PLA, which yields at 45.6 MPa."
 CORNER = "tilted 3° onto the left front corner"
-FLAT = row(1900.0, original=2400.0)
-TILTED = row(500.0, test="nearly flat", landing=CORNER, original=540.0, outcome="NO WORSE", limit=85.0)
-DENTED = row(150.0, original=4800.0)
-COAT = load_row(1.4, original=2.0)
-
-
-def failing(one, original):
-    return msgspec.structs.replace(one, outcome="FAILS", original=original, limit=STRENGTH)
-
+FLAT = row(0.06, plain_permanent_set=0.05)
+TILTED = row(0.24, test="nearly flat", landing=CORNER, plain_permanent_set=0.21, outcome="NO WORSE", allowed=0.26, place="at the foot")
+BENT = row(1.24, plain_permanent_set=0.02, place="high up")
+CRACKED = row(0.15, test="any landing", landing="direction 3", plastic_strain=0.061, cracks=True, outcome="FAILS")
+COAT = load_row(0.11, plain_permanent_set=0.1)
+BROKEN = load_row(3.0, carries=0.62, collapses=True, place="halfway up on the left")
 
 # --- the head -----------------------------------------------------------------------------------------------------
 
 HEADS = [
-    (verdict(FLAT), "HOLDS a fall of 1.5 m (plain 2.4 m, brick 1.9 m)"),
-    (verdict(row(1900.0), style=""), "HOLDS a fall of 1.5 m (it survives 1.9 m)"),
+    (verdict(FLAT), "HOLDS a fall of 1.5 m: at worst 0.06 mm stays bent at the top, landing flat (plain part 0.05 mm)"),
+    (
+        verdict(row(0.06, plain_permanent_set=None), style="", fall=1220.0),
+        "HOLDS a fall of 1.22 m: at worst 0.06 mm stays bent at the top, landing flat",
+    ),
+    (verdict(row(0.004, place="")), "HOLDS a fall of 1.5 m: nothing stays bent"),
     (
         verdict(FLAT, COAT),
-        "HOLDS a fall of 1.5 m (plain 2.4 m, brick 1.9 m) and the load 'coat' (plain 2.00 ×, brick 1.40 ×)",
+        (
+            "HOLDS a fall of 1.5 m and the load 'coat': at worst 0.11 mm stays bent at the top, under the load 'coat'"
+            " (plain part 0.10 mm)"
+        ),
     ),
     (
-        verdict(FLAT, COAT, load_row(1.2, load="push", original=3.0)),
-        (
-            "HOLDS a fall of 1.5 m (plain 2.4 m, brick 1.9 m) and all 2 loads, of which the load 'push' (plain 3.00 ×, brick 1.20 ×)"
-            " has the least reserve"
-        ),
+        verdict(FLAT, COAT, load_row(0.01, load="push")),
+        "HOLDS a fall of 1.5 m and 2 loads: at worst 0.11 mm stays bent at the top, under the load 'coat' (plain part 0.10 mm)",
     ),
     (
         verdict(FLAT, TILTED),
         (
-            f"NO WORSE than the plain part: flat it holds a fall of 1.5 m (plain 2.4 m, brick 1.9 m); {CORNER} it begins to yield"
-            " below 1.5 m (plain 54 cm, brick 50 cm)"
+            f"NO WORSE than the plain part in a fall of 1.5 m: 0.24 mm stays bent at the foot, {CORNER} (plain part 0.21 mm,"
+            " 0.26 mm allowed)"
         ),
     ),
     (
-        verdict(row(1300.0, original=1400.0, outcome="NO WORSE", limit=50.0)),
-        "NO WORSE than the plain part: flat it begins to yield below 1.5 m (plain 1.4 m, brick 1.3 m)",
+        verdict(BENT, TILTED),
+        "FAILS a fall of 1.5 m: 1.24 mm stays bent high up, landing flat (plain part 0.02 mm, 0.20 mm allowed)",
     ),
     (
-        verdict(FLAT, load_row(0.9, original=0.95, outcome="NO WORSE", limit=53.0)),
+        verdict(FLAT, CRACKED),
         (
-            "NO WORSE than the plain part: flat it holds a fall of 1.5 m (plain 2.4 m, brick 1.9 m); under the load 'coat' it begins"
-            " to yield before all of it acts (plain 0.95 ×, brick 0.90 ×)"
+            "FAILS a fall of 1.5 m: 0.15 mm stays bent at the top, in the landing 'direction 3' (plain part 0 mm, 0.20 mm allowed),"
+            " and it cracks there: 6.1% of strain where 5.0% break it"
         ),
     ),
-    (verdict(DENTED), "FAILS a fall of 1.5 m (plain 4.8 m, brick 15 cm)"),
-    (
-        verdict(DENTED, failing(row(30.0, test="nearly flat", landing="tilted 3° to the left front"), 150.0)),
-        "FAILS a fall of 1.5 m (plain 4.8 m, brick 15 cm), and also tilted 3° to the left front (plain 15 cm, brick 3 cm)",
-    ),
-    (
-        verdict(FLAT, failing(TILTED, 1800.0)),
-        f"FAILS a fall of 1.5 m {CORNER} (plain 1.8 m, brick 50 cm); flat it holds a fall of 1.5 m (plain 2.4 m, brick 1.9 m)",
-    ),
-    (
-        verdict(FLAT, failing(load_row(0.8), 2.0)),
-        "FAILS the load 'coat' (plain 2.00 ×, brick 0.80 ×); flat it holds a fall of 1.5 m (plain 2.4 m, brick 1.9 m)",
-    ),
-    (
-        verdict(row(1300.0, original=1400.0, outcome="NO WORSE", limit=50.0), failing(load_row(0.8), 2.0)),
-        (
-            "FAILS the load 'coat' (plain 2.00 ×, brick 0.80 ×); flat it is no worse than the plain part in a fall of 1.5 m"
-            " (plain 1.4 m, brick 1.3 m)"
-        ),
-    ),
+    (verdict(FLAT, BROKEN), "FAILS the load 'coat': the part gives way halfway up on the left, at 0.62 times the load"),
+    (verdict(msgspec.structs.replace(BROKEN, carries=None, place="")), "FAILS the load 'coat': the part gives way"),
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("found", "words"), HEADS)
-def test_the_head_says_the_outcome_and_the_figures_it_rests_on(found, words):
-    assert head(found) == f"{words}. {SOLID}"
-    assert head(found).startswith(found.outcome)
+@pytest.mark.parametrize(("judged", "words"), HEADS)
+def test_the_head_says_the_outcome_the_worst_test_and_its_figures(judged, words):
+    assert head(judged) == f"{words}. Solid PLA."
+    assert head(judged).startswith(judged.outcome)
 
 
 def test_where_there_is_no_answer_the_head_says_why():
@@ -96,37 +77,71 @@ def test_where_there_is_no_answer_the_head_says_why():
     assert head(msgspec.structs.replace(UNKNOWN, failure="It took too long.")) == "UNKNOWN: It took too long."
 
 
-@pytest.mark.parametrize(("maximum", "said"), [(40.0, "HOLDS"), (90.0, "FAILS")])
-def test_by_the_published_rule_the_head_is_about_the_literal_maximum(maximum, said):
-    one = published_row(STRENGTH / maximum, decides=True)
-    found = verdict(msgspec.structs.replace(row(1900.0), decides=False), one, criterion="paper")
-    side = "at most" if said == "HOLDS" else "above"
-    assert head(found) == (
-        f"{said} by the published rule: the largest element stress is {maximum:.1f} MPa, {side} the 45.6 MPa at which PLA yields."
-    )
-    assert short(found) == f"{said} by the published rule"
+@pytest.mark.parametrize(("maximum", "said", "side"), [(40.0, "HOLDS", "at most"), (90.0, "FAILS", "above")])
+def test_by_the_published_rule_the_head_is_about_the_largest_stress(maximum, said, side):
+    judged = verdict(published_row(maximum), criterion="paper")
+    stresses = f"the largest element stress is {maximum:.1f} MPa, {side} the 45.6 MPa at which PLA yields"
+    assert head(judged) == f"{said} by the published rule: {stresses}."
+    assert short(judged) == f"{said} by the published rule"
 
 
 @pytest.mark.parametrize(
-    ("found", "words"),
+    ("judged", "words"),
     [
         (verdict(FLAT), "HOLDS a fall of 1.5 m"),
-        (verdict(FLAT, fall=1220.0), "HOLDS a fall of 1.22 m"),
         (verdict(FLAT, TILTED), "NO WORSE than the plain part"),
-        (verdict(DENTED), "FAILS a fall of 1.5 m"),
-        (verdict(FLAT, failing(load_row(0.8), 2.0)), "FAILS the load 'coat'"),
+        (verdict(BENT), "FAILS a fall of 1.5 m"),
+        (verdict(FLAT, BROKEN), "FAILS the load 'coat'"),
         (UNKNOWN, "UNKNOWN"),
     ],
 )
-def test_on_a_badge_it_is_a_few_words(found, words):
-    assert short(found) == words
+def test_on_a_badge_it_is_a_few_words(judged, words):
+    assert short(judged) == words
+
+
+# --- figures ------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("bent", "words"), [(0.0, "0 mm"), (0.0049, "0 mm"), (0.0051, "0.01 mm"), (0.126, "0.13 mm"), (9.94, "9.94 mm"), (12.4, "12 mm")]
+)
+def test_what_stays_bent_is_told_as_a_caliper_reads_it(bent, words):
+    assert bend(bent) == words
+
+
+def millimetres(words):
+    return float(words.split(" mm")[0])
+
+
+bends = st.one_of(st.floats(0.0, 30.0), st.floats(TOLERANCE - 1e-4, TOLERANCE + 1e-4), st.floats(9.9, 10.1))
+
+
+@given(bends, bends)
+def test_a_greater_bend_never_reads_as_a_smaller_one(one, other):
+    low, high = sorted((one, other))
+    assert millimetres(bend(low)) <= millimetres(bend(high))
+
+
+@given(st.lists(st.tuples(bends, st.sampled_from([0.01, TOLERANCE, 0.2049, 10.0])), min_size=1, max_size=4))
+def test_every_cell_and_the_sentence_have_the_figures_of_their_row_and_read_as_they_were_judged(given_rows):
+    judged = verdict(*(row(bent, landing=f"landing {n}", allowed=limit) for n, (bent, limit) in enumerate(given_rows)))
+    for one, cells in zip(judged.rows, sentences.table(judged), strict=True):
+        assert cells == (one.landing, "0 mm", found(one), allowed(one), "0.0%", one.outcome)
+        assert millimetres(cells[2]) == pytest.approx(one.permanent_set, rel=0.05, abs=0.0051)
+        if one.permanent_set > one.allowed + 1e-6:
+            assert millimetres(cells[2]) > millimetres(cells[3]), "nothing fails by «0.20 of 0.20 mm»"
+    worst = judged.deciding
+    if worst.permanent_set >= sentences.NOTHING:
+        assert f" {found(worst)} stays bent at the top" in head(judged)
+    assert note(judged).endswith(f"; {label(worst)}: {found(worst)} of {allowed(worst)}")
+    assert sentences.least(judged) == f"{label(worst)}: plain 0 mm, brick {found(worst)}"
 
 
 # --- the doubt ----------------------------------------------------------------------------------------------------
 
 
-def near(value, test="flat", landing="flat", load=""):
-    return Doubt(about="limit", value=value, test=test, landing=landing, load=load)
+def near(test="flat", landing="flat", load=""):
+    return Doubt(about="limit", value=1.0, test=test, landing=landing, load=load)
 
 
 MISSED, SMALLER = Doubt(about="relief", value=0.78), Doubt(about="volume", value=-0.035)
@@ -134,106 +149,102 @@ DOUBTS = [
     (verdict(FLAT), ""),
     (UNKNOWN, ""),
     (
-        verdict(FLAT, doubts=(near(1.04),)),
-        "Not sure: flat passes by 4%, closer than the test repeats; ask for less relief or a lower fall.",
+        verdict(FLAT, doubts=(near(),)),
+        "Not sure: flat passes more closely than the test repeats; another mesh may say otherwise.",
     ),
     (
-        verdict(FLAT, style="", doubts=(near(1.04),)),
-        "Not sure: flat passes by 4%, closer than the test repeats; ask for a lower fall.",
+        verdict(BENT, doubts=(near("nearly flat", CORNER),)),
+        f"Not sure: {CORNER} fails more closely than the test repeats; another mesh may say otherwise.",
     ),
     (
-        verdict(DENTED, doubts=(near(0.97, "nearly flat", CORNER),)),
-        f"Not sure: {CORNER} fails by 3%, closer than the test repeats; less relief or a lower fall may pass.",
+        verdict(FLAT, COAT, doubts=(near(), near("load", "", "coat"))),
+        "Not sure: flat and the load 'coat' pass more closely than the test repeats; another mesh may say otherwise.",
     ),
     (
-        verdict(FLAT, COAT, doubts=(near(1.001), near(1.02, "load", "", "coat"))),
-        (
-            "Not sure: flat passes by less than 1% and the load 'coat' passes by 2%, closer than these tests repeat; ask for less relief"
-            " or a lower fall or a smaller load."
-        ),
+        verdict(FLAT, doubts=tuple(near(landing=f"direction {n}") for n in range(4))),
+        "Not sure: 4 tests pass more closely than the test repeats; another mesh may say otherwise.",
     ),
     (verdict(FLAT, doubts=(MISSED,)), "Not sure: the mesh follows only 78% of the relief; ask for more vertices."),
     (
-        verdict(FLAT, doubts=(near(1.04), MISSED, SMALLER)),
+        verdict(FLAT, doubts=(near(), MISSED, SMALLER)),
         (
-            "Not sure: flat passes by 4%, closer than the test repeats; ask for less relief or a lower fall; the mesh follows only 78%"
-            " of the relief and the volume of the mesh is -3.5% off that of the part; ask for more vertices."
+            "Not sure: flat passes more closely than the test repeats; another mesh may say otherwise; the mesh follows only 78% of the"
+            " relief and the volume of the mesh is -3.5% off that of the part; ask for more vertices."
         ),
+    ),
+    (
+        verdict(FLAT, doubts=(Doubt(about="relief", value=math.nan), Doubt(about="volume", value=math.nan))),
+        "Not sure: what the mesh follows of the relief is not known and the volume of the mesh is not known; ask for more vertices.",
     ),
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("found", "words"), DOUBTS)
-def test_the_doubt_says_what_is_not_sure_and_what_to_do_once(found, words):
-    assert doubt(found) == words
-
-
-@pytest.mark.parametrize(
-    ("about", "words"), [("relief", "what the mesh follows of the relief is not known"), ("volume", "the volume of the mesh is not known")]
-)
-def test_a_share_that_is_not_known_is_no_number(about, words):
-    assert doubt(verdict(FLAT, doubts=(Doubt(about=about, value=math.nan),))) == f"Not sure: {words}; ask for more vertices."
+@pytest.mark.parametrize(("judged", "words"), DOUBTS)
+def test_the_doubt_says_what_is_not_sure_and_what_to_do(judged, words):
+    assert doubt(judged) == words
 
 
 # --- the table ----------------------------------------------------------------------------------------------------
 
-SHOWN = msgspec.structs.replace(TILTED, decides=False, outcome="FAILS", original=None)
 
-
-def test_the_table_has_a_row_for_each_test_and_judges_only_what_decides():
-    assert table(verdict(FLAT, TILTED, COAT, published_row(0.5, original=0.8))) == [
-        ("flat", "2.4 m", "1.9 m", "1.5 m", "+27%", "HOLDS"),
-        (f"nearly flat: {CORNER}", "54 cm", "50 cm", "1.5 m", "+16%", "NO WORSE"),
-        ("load coat", "2.00 ×", "1.40 ×", "1 ×", "+40%", "HOLDS"),
-        ("published rule", "0.80 ×", "0.50 ×", "1 ×", "-50%", "not judged"),
+def test_the_table_has_a_row_for_each_test():
+    assert sentences.table(verdict(FLAT, TILTED, CRACKED, COAT, msgspec.structs.replace(BROKEN, plain_permanent_set=None))) == [
+        ("flat", "0.05 mm", "0.06 mm", "0.20 mm", "0.0%", "HOLDS"),
+        (CORNER, "0.21 mm", "0.24 mm", "0.26 mm", "0.0%", "NO WORSE"),
+        ("direction 3", "0 mm", "0.15 mm, cracks", "0.20 mm", "6.1%", "FAILS"),
+        ("load coat", "0.10 mm", "0.11 mm", "0.20 mm", "0.0%", "HOLDS"),
+        ("load coat", "–", "gives way", "0.20 mm", "0.0%", "FAILS"),
     ]
+    (cells,) = sentences.table(verdict(published_row(60.0)))
+    assert cells == ("published rule", "–", "60.0 MPa", "45.6 MPa", "–", "FAILS")
 
 
 def test_of_a_part_by_itself_the_table_has_one_column_of_figures():
-    headings, rows = sentences.tabulated(verdict(row(1900.0), SHOWN, published_row()))
-    assert headings == ("test", "survives", "asked", "reserve", "outcome")
-    assert [cells[-1] for cells in rows] == ["HOLDS", "not judged", "not judged"]
-    assert all(len(cells) == len(headings) for cells in rows)
+    headings, rows = sentences.tabulated(verdict(row(0.06, plain_permanent_set=None)))
+    assert headings == ("test", "stays bent", "allowed", "strain", "outcome")
+    assert rows == [("flat", "0.06 mm", "0.20 mm", "0.0%", "HOLDS")]
     assert sentences.tabulated(verdict(FLAT))[0] == COLUMNS
 
 
-def test_several_runs_of_one_part_stand_side_by_side_and_the_published_rule_last():
-    free, fed = verdict(DENTED, failing(TILTED, 540.0), published_row()), verdict(FLAT, published_row(), COAT)
-    assert paired([free, fed]) == [
-        ("flat", "4.8 m", "15 cm FAILS", "1.9 m HOLDS", "1.5 m"),
-        ("nearly flat", "54 cm", "50 cm FAILS", "–", "1.5 m"),
-        ("load coat", "2.00 ×", "–", "1.40 × HOLDS", "1 ×"),
-        ("published rule", "–", "0.76 × not judged", "0.76 × not judged", "1 ×"),
+def test_several_runs_of_one_part_stand_side_by_side():
+    assert sentences.paired([verdict(BENT, TILTED), verdict(FLAT, COAT)]) == [
+        ("flat", "0.02 mm", "1.24 mm FAILS", "0.06 mm HOLDS", "0.20 mm"),
+        (CORNER, "0.21 mm", "0.24 mm NO WORSE", "–", "0.26 mm"),
+        ("load coat", "0.10 mm", "–", "0.11 mm HOLDS", "0.20 mm"),
     ]
 
 
 def test_in_full_every_test_is_a_line_between_how_it_is_judged_and_the_doubt():
-    found = verdict(FLAT, TILTED, doubts=(MISSED,))
-    first, said, flat, nearly, last = sentences.in_full(found).splitlines()
-    assert (first, said, last) == (" ".join(EXPLANATION), head(found), doubt(found))
-    assert flat == "flat: plain 2.4 m, styled 1.9 m, asked 1.5 m, reserve +27%, outcome HOLDS"
-    assert nearly.startswith(f"nearly flat: {CORNER}: plain 54 cm")
+    judged = verdict(FLAT, TILTED, doubts=(MISSED,))
+    first, said, flat, nearly, last = sentences.in_full(judged).splitlines()
+    assert (first, said, last) == (" ".join(EXPLANATION), head(judged), doubt(judged))
+    assert flat == "flat: plain 0.05 mm, styled 0.06 mm, allowed 0.20 mm, strain 0.0%, outcome HOLDS"
+    assert nearly.startswith(f"{CORNER}: plain 0.21 mm")
 
 
 # --- beside other things ------------------------------------------------------------------------------------------
 
 
-def test_under_a_picture_stands_the_stress_of_the_test_it_is_of():
-    assert note(verdict(FLAT, TILTED)) == f"NO WORSE than the plain part; {CORNER}: {TILTED.stress:.1f} of 85.0 MPa"
+def test_under_a_picture_stands_what_it_is_of():
+    assert note(verdict(FLAT, TILTED)) == f"NO WORSE than the plain part; {CORNER}: 0.24 mm of 0.26 mm"
     assert note(verdict(FLAT, doubts=(MISSED,))).startswith(f"HOLDS a fall of 1.5 m {NOT_SURE}; flat: ")
     assert note(UNKNOWN) == "UNKNOWN: this test gave no answer"
-    others = row(400.0, test="any landing", landing="direction 3", outcome="NO WORSE", limit=90.0)
-    assert sentences.figures(others) == f"direction 3; the mean of all other landings is {others.stress:.1f} of 90.0 MPa"
-
-
-def test_the_test_with_the_least_reserve_is_named_with_its_landing():
-    assert sentences.least(verdict(row(9000.0, original=9500.0), TILTED)) == f"nearly flat: {CORNER}: plain 54 cm, brick 50 cm"
-    assert sentences.least(UNKNOWN) == ""
     marked = sentences.least_left("soft", verdict(FLAT), {"main": 41.2, "soft": 44.6})
     assert marked == (
-        "✕ marks where soft has least left (flat: plain 2.4 m, brick 1.9 m); stress there, each in the test that decides: main 41 MPa,"
+        "✕ marks where soft stays bent most (flat: plain 0.05 mm, brick 0.06 mm); stress there, each in its worst test: main 41 MPa,"
         " soft 45 MPa."
     )
+    assert sentences.least(UNKNOWN) == ""
+
+
+def test_what_stays_bent_is_found_by_the_test_alone():
+    assert sentences.stays_bent(verdict(FLAT, TILTED, COAT)) == {"flat": "0.06 mm", CORNER: "0.24 mm", "load coat": "0.11 mm"}
+
+
+def test_how_much_of_a_load_is_carried_is_a_factor_and_what_was_not_tried_is_at_least():
+    assert sentences.carried(COAT) == "it carries 1.50 times the load 'coat'"
+    assert sentences.carried(msgspec.structs.replace(COAT, most_tried=True)) == "it carries at least 1.50 times the load 'coat'"
+    assert sentences.carried(FLAT) == ""
 
 
 def test_an_outcome_is_marked_where_it_is_not_sure_and_never_where_there_is_none():
@@ -242,99 +253,53 @@ def test_an_outcome_is_marked_where_it_is_not_sure_and_never_where_there_is_none
     ]  # fmt: skip
 
 
-# --- lengths ------------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("height", "words"),
-    [
-        (1.0, "1 mm"), (9.4, "9 mm"), (9.6, "1 cm"), (152.0, "15 cm"), (994.0, "99 cm"), (996.0, "1.0 m"), (1540.0, "1.5 m"),
-        (9940.0, "9.9 m"), (9960.0, "10 m"), (10_000.0, "10 m"), (10_001.0, "more than 10 m"), (1e5, "more than 10 m"),
-    ],
-)  # fmt: skip
-def test_a_height_is_told_as_a_person_would(height, words):
-    assert length(height) == words
-
-
-@pytest.mark.parametrize(
-    ("height", "words"), [(1500.0, "1.5 m"), (1220.0, "1.22 m"), (1372.5, "1.3725 m"), (760.0, "76 cm"), (9.0, "9 mm"), (1000.0, "1 m")]
-)
-def test_what_was_asked_for_is_told_as_it_was_asked(height, words):
-    assert written(height) == words
-
-
-@given(st.floats(1.0, 1e5), st.floats(1.0, 1e5))
-def test_a_greater_height_never_reads_as_a_smaller_one(one, other):
-    units = {"mm": 1.0, "cm": 10.0, "m": 1000.0}
-
-    def read(words):
-        number, unit = words.removeprefix("more than ").split()
-        return float(number) * units[unit]
-
-    low, high = sorted((one, other))
-    assert read(length(low)) <= read(length(high)) + 1e-9
-
-
-# --- words --------------------------------------------------------------------------------------------------------
-
-WORDS = "told|borne|breaks?|broken|viable|marginal|safe|as it came|as it comes|beside the original"
-BANNED = re.compile(rf"\b({WORDS})\b|None|nan|  ", re.IGNORECASE)
-ALL = [one for one, _ in (*HEADS, *DOUBTS)]
-
-
-@pytest.mark.parametrize("found", ALL)
-def test_no_sentence_says_more_than_a_simulation_knows(found):
-    said = [head(found), doubt(found), short(found), note(found), sentences.least(found)]
-    said += [cell for cells in table(found) for cell in cells]
-    for words in said:
-        assert not BANNED.search(words), words
-        assert "\n" not in words
-    assert len(head(found)) < 320
-
-
-def test_how_it_is_judged_is_five_short_sentences_and_every_outcome_has_a_meaning():
-    assert len(EXPLANATION) == 5
-    for words in (*EXPLANATION, *MEANINGS.values()):
-        assert not BANNED.search(words), words
-        assert len(words.split()) <= 30
-    assert set(MEANINGS) == set(get_args(Outcome))
-
-
-def test_what_a_part_survives_is_found_by_the_test_alone():
-    assert sentences.survived(verdict(FLAT, TILTED, COAT)) == {"flat": "1.9 m", "nearly flat": "50 cm", "load coat": "1.40 ×"}
-
-
-# --- two runs beside each other -----------------------------------------------------------------------------------
-
 TWO = ("Freestyle", "MechStyle")
 
 
 @pytest.mark.parametrize(
     ("free", "fed", "kept", "words"),
     [
-        ((row(200.0),), (row(1900.0),), (1.0, 0.97), "Both look alike. Freestyle may fall from 20 cm, MechStyle from 1.9 m; 1.5 m"),
-        ((row(1900.0),), (row(1950.0),), (0.94, 0.6),  # the shares that badge and table have, not 64 %
-         "MechStyle keeps 60% of the relief, Freestyle 94%. Freestyle and MechStyle may both fall from 1.9 m; 1.5 m"),
-        ((FLAT, TILTED), (FLAT, row(1800.0, test="nearly flat", landing=CORNER)), (None, None),
-         "Freestyle may fall from 50 cm, MechStyle from 1.8 m, landing nearly flat; 1.5 m"),
-        ((FLAT, load_row(0.5)), (FLAT, COAT), (1.0, 1.0),
-         "Both look alike. Freestyle may carry the load 'coat' 0.50 times, MechStyle 1.40 times; once"),
+        ((BENT,), (FLAT,), (1.0, 0.97),
+         "Both look alike. Freestyle stays bent by 1.24 mm and MechStyle stays bent by 0.06 mm, landing flat; 0.20 mm is allowed."),
+        ((FLAT,), (row(0.07),), (0.94, 0.6),
+         "MechStyle keeps 60% of the relief, Freestyle 94%. Of both 0.06 mm stays bent, landing flat; 0.20 mm is allowed."),
+        ((FLAT, BROKEN), (FLAT, COAT), (None, None),
+         "Freestyle gives way and MechStyle stays bent by 0.11 mm, under the load 'coat'; 0.20 mm is allowed."),
+        ((published_row(60.0),), (published_row(40.0),), (1.0, 1.0),
+         "Both look alike. Largest stress: Freestyle 60.0 MPa, MechStyle 40.0 MPa; 45.6 MPa is allowed."),
+        ((BENT,), (load_row(),), (1.0, 1.0), "One of the two gave no answer, so there is nothing to compare."),
     ],
 )  # fmt: skip
 def test_two_runs_are_compared_in_the_test_that_decides(free, fed, kept, words):
-    said = sentences.side_by_side(TWO, (verdict(*free), verdict(*fed)), kept)
-    assert said == f"{words} was asked for."
-    assert not BANNED.search(said)
-
-
-def test_without_an_answer_nothing_is_compared():
-    assert "nothing to compare" in sentences.side_by_side(TWO, (UNKNOWN, verdict(FLAT)), (1.0, 1.0))
+    assert sentences.side_by_side(TWO, (verdict(*free), verdict(*fed)), kept) == words
+    assert "nothing to compare" in sentences.side_by_side(TWO, (UNKNOWN, verdict(*fed)), kept)
 
 
 def test_where_little_of_the_style_is_left_it_is_said_how_to_keep_more():
-    """A pill box in brick keeps a third with cuts, since its walls bend as a whole, and all of it with relief outwards."""
     said = sentences.little_left(0.33, "auto")
     assert said.startswith("only 33% of the style is left")
     assert "--side outwards" in said
-    assert not BANNED.search(said)
     assert sentences.little_left(0.33, "outwards") == sentences.little_left(0.95, "auto") == ""
+
+
+# --- words --------------------------------------------------------------------------------------------------------
+
+WORDS = "told|borne|breaks?|viable|marginal|safe|survives?|height|reserve|as it came|as it comes|beside the original"
+BANNED = re.compile(rf"\b({WORDS})\b|None|nan|  | [,;:]", re.IGNORECASE)
+
+
+@pytest.mark.parametrize("judged", [one for one, _ in (*HEADS, *DOUBTS)])
+def test_no_sentence_says_more_than_a_simulation_knows(judged):
+    said = [head(judged), doubt(judged), short(judged), note(judged), sentences.least(judged)]
+    said += [cell for cells in sentences.table(judged) for cell in cells]
+    for words in said:
+        assert not BANNED.search(words.replace("break it", "")), words
+        assert "\n" not in words
+    assert len(head(judged)) < 240
+
+
+def test_how_it_is_judged_is_five_short_sentences_and_every_outcome_has_a_meaning():
+    assert len(EXPLANATION) == 5
+    assert set(MEANINGS) == set(get_args(Outcome))
+    for words in (*EXPLANATION, *MEANINGS.values()):
+        assert len(words.split()) <= 30
