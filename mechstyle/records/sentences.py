@@ -312,7 +312,8 @@ def little_left(kept: float, side: str) -> str:
 def least_left(lane: str, verdict: Verdict, there: Mapping[str, str]) -> str:
     """What a mark at the worst place says; `there` are the figures of each lane at that place."""
     known = ", ".join(f"{name} {figure}" for name, figure in there.items())
-    return f"✕ marks where {lane} stays bent most ({least(verdict)}); there, each in its worst test: {known}."
+    worst = "is loaded" if verdict.criterion == "paper" else "stays bent"
+    return f"✕ marks where {lane} {worst} most ({least(verdict)}); there, each in its worst test: {known}."
 
 
 def note(verdict: Verdict) -> str:

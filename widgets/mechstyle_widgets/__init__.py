@@ -7,7 +7,6 @@ if TYPE_CHECKING:
     from mechstyle_widgets.panels.branches import Branches
     from mechstyle_widgets.panels.mask_inspector import MaskInspector
     from mechstyle_widgets.panels.run_controls import RunControls
-    from mechstyle_widgets.replay.replay import Replay
     from mechstyle_widgets.settings.control import ControlSelector
     from mechstyle_widgets.settings.drop import DropOptions
     from mechstyle_widgets.settings.material import MaterialPicker
@@ -26,7 +25,6 @@ _WHERE = {name: module for module, names in {
     "panels.branches": "Branches",
     "panels.mask_inspector": "MaskInspector",
     "panels.run_controls": "RunControls",
-    "replay.replay": "Replay",
     "settings.control": "ControlSelector",
     "settings.drop": "DropOptions",
     "settings.material": "MaterialPicker",
@@ -44,7 +42,7 @@ _WHERE = {name: module for module, names in {
 
 __all__ = [
     "Branches", "ControlSelector", "DropOptions", "Layer", "MaskInspector", "MaterialPicker", "PartPicker", "PromptBox", "RegionsPicker",
-    "Replay", "RunControls", "RunViewer", "ScheduleSelector", "Studio", "StudioState", "Subject", "Timeline", "Viewer",
+    "RunControls", "RunViewer", "ScheduleSelector", "Studio", "StudioState", "Subject", "Timeline", "Viewer",
 ]  # fmt: skip
 
 

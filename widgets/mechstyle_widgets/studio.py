@@ -417,8 +417,6 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         viewer.on_click(self.pull_here.click)
         viewer.on_click(lambda _: setattr(self._tabs, "selected_index", ASKED))
         self._hatch()
-        if self._timeline is not None:
-            self._timeline.scrubber.serve(viewer if isinstance(viewer, RunViewer) else None)
         if old is not None:
             old.close()
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from html import escape
@@ -14,7 +13,6 @@ import traitlets
 
 from mechstyle.errors import MechStyleError
 from mechstyle.loop.history import Branch, Row
-from mechstyle.pictures.fields import stress
 from mechstyle.records import Checkpoint, Verdict, sentences
 from mechstyle.records.load_cases import LoadCase
 from mechstyle.records.material import Material
@@ -136,17 +134,23 @@ class Branches(Section):
         return found
 
     def decisive(self) -> tuple[int, str] | None:
-        """The vertex that decides in the one of the compared that has least left, and a sentence on it."""
+        """The vertex that decides in the one of the compared that stays bent most, and a sentence on it."""
         sides = [(side, side[1].verdict) for side in self.sides()]
         judged = [(side, verdict) for side, verdict in sides if verdict is not None and verdict.outcome != "UNKNOWN"]
         if len(judged) < 2:
             return None
-        (run, _, checkpoint), verdict = min(judged, key=lambda one: one[1].deciding.reserve if one[1].deciding else math.inf)
-        vertex = worst_vertex(checkpoint)
-        called = self.state.called
-        each = [(called(one.lane), stress(its.strength, its.deciding).of(state)) for (one, _, state), its in judged]
-        stresses = {name: float(values[vertex]) for name, values in each}
-        return vertex, sentences.least_left(called(run.lane), verdict, stresses)
+        (run, _, checkpoint), verdict = max(judged, key=lambda one: one[1].deciding.used if one[1].deciding else 0.0)
+        vertex, called = worst_vertex(run.part.surface.displaced(checkpoint.displacement), checkpoint, verdict), self.state.called
+        there = {called(one.lane): self._there(one, state, its, vertex) for (one, _, state), its in judged}
+        return vertex, sentences.least_left(called(run.lane), verdict, there)
+
+    def _there(self, run: Run, state: Checkpoint, verdict: Verdict, vertex: int) -> str:
+        """What the test that decides found at a vertex: what stays bent there, by the published rule the stress."""
+        row = verdict.deciding
+        if row is None or row.stress is not None:
+            return f"{state.stress[vertex]:.0f} MPa"
+        stays = self.state.simulation(run.store, state).set_of(landing=row.landing, load=row.load)[vertex]
+        return sentences.bend(float(np.linalg.norm(stays)))
 
     def insight(self) -> str:
         """How Freestyle and what is shown beside it compare at their ends, in a sentence or two; "" where they are not compared."""
@@ -209,16 +213,14 @@ def _line(branch: Branch, rows: Sequence[Row], called: Callable[[str], str]) -> 
 def results(run: Run, row: Row, checkpoint: Checkpoint) -> dict[str, str]:
     """Results of an iteration of a lane, as table cells."""
     verdict = row.verdict
-    factor = None if verdict is None else verdict.safety_factor
+    decides = None if verdict is None else verdict.deciding
     return {
         "iteration": str(row.iteration),
         "simulated because": row.reason or "not simulated",
         "outcome": "–" if verdict is None else said_of(verdict),
-        **({} if verdict is None else sentences.survived(verdict)),
-        "safety factor": "–" if factor is None else f"{factor:.2f}",
+        **({} if verdict is None else sentences.stays_bent(verdict)),
+        "allowed": "–" if decides is None else sentences.allowed(decides),
         "relief kept": kept(run, row),
-        "stress (σ_V)": "–" if row.stress is None else f"{row.stress:.1f} MPa",
-        "limit": "–" if row.limit is None else f"{row.limit:.1f} MPa",
         "style loss": f"{row.style_loss:.3g}",
         "largest relief": f"{float(np.abs(checkpoint.displacement).max()):.2f} mm",
         "held back by more than half": f"{row.share:.1%}",

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-LAYERS = {"1": "style", "2": "stress", "3": "safety_factor", "4": "restraint", "5": "demand", "6": "displacement"}
+LAYERS = {"1": "style", "2": "stress", "3": "stays_bent", "4": "restraint", "5": "demand", "6": "displacement"}
 """Layers by the keys that show them."""
 
 

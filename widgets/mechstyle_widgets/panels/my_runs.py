@@ -82,7 +82,7 @@ class MyRuns(Section):
         outcome = said(one.outcome or "not tested yet")
         words = f"<b>{escape(one.title)}</b><br>{escape(outcome)}<br><small>{escape(str(one.place))}</small>"
         acts = {
-            "open": (self.show_run, "Show this run"), "compare": (self.compare, "What it survives, and what the run on show survives"),
+            "open": (self.show_run, "Show this run"), "compare": (self.compare, "What stays bent of it, and of the run on show"),
             "delete": (self.delete, "Delete its folder: press twice"),
         }  # fmt: skip
         buttons = []
@@ -110,7 +110,7 @@ class MyRuns(Section):
         self._take(Run.open(place))
 
     def compare(self, place: Path, _button: Any = None) -> None:
-        """Put what a run survives beside what the run on show survives."""
+        """Put what stays bent of a run beside what stays bent of the run on show."""
         run = self._state.run
         if run is None:
             self.complain(word("Nothing is on show to compare with: open a run first."))
@@ -121,7 +121,7 @@ class MyRuns(Section):
             self.complain(word("One of the two was not tested yet."))
             return
         judged = [verdict for verdict in verdicts if verdict is not None]
-        heads = ("test", "plain", self._state.title, titled(other.record.name, other.recipe.style.prompt), "asked")
+        heads = ("test", "plain", self._state.title, titled(other.record.name, other.recipe.style.prompt), "allowed")
         outcomes = ("outcome", "", *(said_of(verdict) for verdict in judged), "")
         self._beside.say(table(heads, [outcomes, *sentences.paired(judged)]))
 

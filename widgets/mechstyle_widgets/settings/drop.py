@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import ipywidgets
@@ -13,16 +15,16 @@ from mechstyle.records.landings import STANDARDS, landings_after, with_drops
 from mechstyle.records.load_cases import load_cases
 from mechstyle.records.mesh import STANDARD_VERTICES
 from mechstyle.records.recipe import DEFAULTS, LIMITS
-from mechstyle.records.written import length_of, written
+from mechstyle.records.written import length_of, tolerance_of, written
 from mechstyle.runs.recipes import EXPECTED
 from mechstyle_widgets.jupyter.language import word
 from mechstyle_widgets.jupyter.looks import lean, show, unheard
-from mechstyle_widgets.settings.section import CHECK, WIDE, Read, Section, control, linked, range_of, setting
+from mechstyle_widgets.settings.section import CHECK, WIDE, Read, Section, control, linked, setting
 
 DEVICES = ("auto", "cpu", "cuda")
 SIZES = {"Try it": 4000, "Print it": STANDARD_VERTICES}
 """How fine a run is, in words, and in vertices."""
-RULES = {"robust": "what it survives", "paper": "published rule"}
+RULES = {"robust": "what stays bent", "paper": "published rule"}
 """Criteria, in words."""
 ONCE = "once"
 """The way to land that is a single drop."""
@@ -40,12 +42,17 @@ WAYS = {
 """Ways to land, a single drop or one of `POSES`: what they are called, and what is dropped so many times."""
 
 
-class Height(traitlets.Float[float, Any]):
-    """A height of fall [mm], which may be set as people write it."""
+class Length(traitlets.Float[float, Any]):
+    """A length [mm] between the limits of a setting, which may be set as people write it."""
+
+    def __init__(self, name: str, read: Callable[[str], float], write: Callable[[float], str]) -> None:
+        """Of a setting; `read` raises BadInput for text that is no such length, `write` says one as `read` takes it."""
+        self.read, self.write, (low, high) = read, write, LIMITS[name]
+        super().__init__(DEFAULTS[name], min=low, max=high)
 
     def validate(self, obj: Any, value: Any) -> Any:
-        """The height in millimetres; BadInput for text that is none."""
-        return super().validate(obj, length_of(value) if isinstance(value, str) else value)
+        """The length in millimetres; BadInput for text that is none."""
+        return super().validate(obj, self.read(value) if isinstance(value, str) else value)
 
 
 class DropOptions(Section):
@@ -53,6 +60,7 @@ class DropOptions(Section):
 
     Attributes:
         height: Height of fall [mm]; text with a unit, such as "1.5 m", may be set, too.
+        tolerance: The most that may stay bent [mm]; likewise.
         orientations: Drops in the final test, the first as placed.
         poses: How the others land, one of `POSES`; of no account with one drop.
         standard: Drop standard whose orientations and height are simulated, a key of `STANDARDS`, or "". Choosing one by hand brings them.
@@ -69,7 +77,8 @@ class DropOptions(Section):
 
     OWN = ("vertices", "device", "folder")
 
-    height: Any = Height(DEFAULTS["height"], min=LIMITS["height"][0], max=LIMITS["height"][1])
+    height: Any = Length("height", length_of, written)
+    tolerance: Any = Length("tolerance", tolerance_of, "{:g} mm".format)
     orientations = setting("orientations")
     poses = setting("poses")
     standard = setting("standard")
@@ -88,7 +97,9 @@ class DropOptions(Section):
         ways = [(name, way) for way, (name, _) in WAYS.items()]
         standards = [("none", ""), *((standard.title, name) for name, standard in STANDARDS.items())]
         what = "From how high it falls, such as 1.5 m or 80 cm"
-        self._height = control(ipywidgets.Text, "fall", continuous_update=False, tooltip=what)
+        self._lengths = {"height": control(ipywidgets.Text, "fall", continuous_update=False, tooltip=what)}
+        what = "What may stay bent after a fall or a load, such as 0.2 mm or 200 µm"
+        self._lengths["tolerance"] = control(ipywidgets.Text, "may be off by", continuous_update=False, tooltip=what)
         self._way = control(ipywidgets.Dropdown, "it lands", options=ways, tooltip="How the part meets the floor")
         what = "Drops of the final test, the first as the part stands"
         self._drops = linked(self, "orientations", ipywidgets.BoundedIntText, "drops", tooltip=what)
@@ -104,7 +115,7 @@ class DropOptions(Section):
         most = "The most that is added before the style where the part does not hold as it is; 0 leaves it as it is"
         thinnest, place = "The thinnest wall the style may leave", {"placeholder": "mechstyle-runs/…", "tooltip": "Where the run is kept"}
         super().__init__([
-            self._height, self._way, self._drops, self._standard, lean(ipywidgets.HBox, [self._file, self._unload], layout=WIDE),
+            *self._lengths.values(), self._way, self._drops, self._standard, lean(ipywidgets.HBox, [self._file, self._unload], layout=WIDE),
             linked(self, "nearly_flat", ipywidgets.Checkbox, "nearly flat", tooltip=nearly, **CHECK),
             linked(self, "criterion", ipywidgets.Dropdown, "criterion", options=[(RULES[name], name) for name in CRITERIA]),
             linked(self, "guarantee", ipywidgets.Checkbox, "correct until it passes", **CHECK),
@@ -125,7 +136,8 @@ class DropOptions(Section):
         traitlets.dlink((self, "vertices"), (self.sizes, "value"), lambda count: count if count in SIZES.values() else None)
         self._way.observe(self._choose_way, "value")
         self._standard.observe(self._choose_standard, "value")
-        self._height.observe(self._fall, "value")
+        for name, box in self._lengths.items():
+            box.observe(partial(self._written, name), "value")
         self._file.observe(self._carry, "value")
         self._unload.on_click(lambda _: self._carry({"new": ""}))
         self._tell()
@@ -145,13 +157,13 @@ class DropOptions(Section):
         """The chosen settings, by the names of the recipe's fields; the height as it is written, so that a small one is not asked about."""
         return {**super().settings, "height": written(self.height)}
 
-    @traitlets.observe("orientations", "poses", "standard", "height", "nearly_flat", "loads", "strengthen", "criterion")
+    @traitlets.observe("orientations", "poses", "standard", "height", "tolerance", "nearly_flat", "loads", "strengthen", "criterion")
     def _tell(self, _change: object = None) -> None:
         """Bring the controls up to date, and say what will be tested."""
         self._way.value, self._standard.value = self.way, self.standard
         show(self._drops, self.way != ONCE)
         show(self._unload, self.loads)
-        self._height.value = written(self.height)
+        self._write()
         drops, carried = WAYS[self.way][1].format(self.orientations), "; ".join(case.name for case in self.loads)
         after = landings_after(self.standard, poses=self.poses, orientations=self.orientations, height=self.height)
         said = (
@@ -163,18 +175,24 @@ class DropOptions(Section):
         )
         self.note(". ".join(filter(None, said)), (EXPECTED,) if self.criterion == "paper" else ())
 
-    def _fall(self, change: dict[str, Any]) -> None:
-        """Take the height that was written; what cannot be used is said and leaves the last one."""
+    def _write(self) -> None:
+        """Show the lengths as people write them."""
+        for name, box in self._lengths.items():
+            box.value = self.traits()[name].write(getattr(self, name))
+
+    def _written(self, name: str, change: dict[str, Any]) -> None:
+        """Take the length that was written; what cannot be used is said and leaves the last one."""
+        trait = self.traits()[name]
         try:
-            self.height = change["new"]
+            setattr(self, name, change["new"])
         except BadInput as error:
             self.complain(str(error))
         except traitlets.TraitError:
-            low, high = (written(height) for height in range_of("height").values())
-            self.complain(f"a fall of {change['new']} cannot be simulated: write one between {low} and {high}")
+            what, how = {"height": ("a fall", "simulated"), "tolerance": ("a tolerance", "used")}[name]
+            self.complain(f"{what} of {change['new']} cannot be {how}: write one between {trait.write(trait.min)} and {trait.write(trait.max)}")
         else:
             self.complain("")
-            self._height.value = written(self.height)
+            self._write()
 
     def _choose_way(self, change: dict[str, Any]) -> None:
         """Another way brings its usual number of drops."""

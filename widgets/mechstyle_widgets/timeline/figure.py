@@ -17,12 +17,13 @@ from plotly import io
 from plotly.subplots import make_subplots
 
 from mechstyle.loop.history import Branch, Row
+from mechstyle.records import sentences
 from mechstyle_widgets.jupyter.language import said, word
 from mechstyle_widgets.state.outcomes import DOUBT, LOOKS
 from mechstyle_widgets.state.schedule_forecast import Plan
 from mechstyle_widgets.state.studio_state import called
 
-CURVES = {"": "stress only", "style_loss": "style still missing", "travel": "change since the last test", "seconds": "seconds"}
+CURVES = {"": "nothing more", "style_loss": "style still missing", "travel": "change since the last test", "seconds": "seconds"}
 UNITS = {"": "", "style_loss": "missing", "travel": "change", "seconds": "seconds"}
 TEMPLATES = {"light": "plotly_white", "dark": "plotly_dark"}
 PAPER = {"light": "#ffffff", "dark": "#26272b"}
@@ -30,7 +31,7 @@ GROUND = {"light": "#ffffff", "dark": "#111111"}
 """Those of JupyterLab's themes, so that a figure held in one of them can be read in a notebook of the other."""
 BEYOND = {"light": "#b3261e", "dark": "#ff8a80"}  # of small words, 4.5:1 at least
 INK, FAINT = "#1f7a8c", "rgba(140,140,140,0.45)"
-LANE, STRESS, CURVE, MARGINS = 22, 60, 60, 48  # heights [pixels]
+LANE, BEND, CURVE, MARGINS = 22, 60, 60, 48  # heights [pixels]
 LEFT, RIGHT = 96, 12  # beside the axes [pixels]
 LINE, LETTER = 52, 6.6
 """Letters of the longest line of words, and how wide one is at most on average [pixels]."""
@@ -98,21 +99,32 @@ def contents(
     known = [row for row in shown[lane] if curve and getattr(row, curve) is not None]
     traces = [
         *_lanes(own, forks),
-        _lines(others, lambda row: row.stress),
-        _lines(shown, lambda row: row.limit),
-        _stresses(lane, shown[lane]),
+        _lines(others, lambda row: figures(row)[0]),
+        _lines(shown, lambda row: figures(row)[1]),
+        _worst(lane, shown[lane]),
         _lines(others if curve else {}, lambda row: getattr(row, curve)),
         {**_marks([(lane, row) for row in known]), "y": [getattr(row, curve) for row in known]},
         _planned(lane, ()),
     ]
-    limited = next((row for row in reversed(shown[lane]) if row.limit is not None), None)
     layout = _layout(list(histories), called(branches), lane, curve, theme, max((branch.iterations for branch in branches), default=1))
     notes = []
-    if limited is not None:  # in words, above the end of its line and left of the upright one that may be there
-        place = {"x": limited.iteration, "xref": "x", "xanchor": "right", "y": limited.limit, "yref": "y2", "yanchor": "bottom"}
-        look = {"showarrow": False, "font": {"size": 10, "color": BEYOND[theme]}, "xshift": -8}
-        notes.append({"text": said(f"limit {limited.limit:.3g} MPa"), **look, **place})
+    for row in reversed(shown[lane]):
+        if row.verdict is not None and (decides := row.verdict.deciding) is not None:
+            # in words, above the end of its line and left of the upright one that may be there
+            place = {"x": row.iteration, "xref": "x", "xanchor": "right", "y": figures(row)[1], "yref": "y2", "yanchor": "bottom"}
+            look = {"showarrow": False, "font": {"size": 10, "color": BEYOND[theme]}, "xshift": -8}
+            notes.append({"text": said(f"allowed {sentences.allowed(decides)}"), **look, **place})
+            layout["yaxis2"]["title"] = {"text": "[mm]" if decides.stress is None else "[MPa]"}
+            break
     return traces, {**layout, "annotations": notes}
+
+
+def figures(row: Row) -> tuple[float | None, float | None]:
+    """What the test that decides found and what it allows [mm, or MPa by the published rule]; None where there is no answer."""
+    decides = None if row.verdict is None else row.verdict.deciding
+    if decides is None:
+        return None, None
+    return (decides.permanent_set, decides.allowed) if decides.stress is None else (decides.stress, decides.limit)
 
 
 def before(plan: Plan | None, lane: str, curve: str, theme: str, width: int) -> tuple[list[dict[str, Any]], dict[str, Any]]:
@@ -174,11 +186,12 @@ def _lines(lanes: Mapping[str, Rows], value: Any) -> dict[str, Any]:
     return {"x": x, "y": y}
 
 
-def _stresses(lane: str, rows: Rows) -> dict[str, Any]:
-    marks = [(lane, row) for row in rows if row.stress is not None]
+def _worst(lane: str, rows: Rows) -> dict[str, Any]:
+    """What the test that decides found, a mark for each simulation."""
+    marks = [(lane, row) for row in rows if figures(row)[0] is not None]
     looks = [LOOKS[row.outcome] for _, row in marks]
     shape = {"symbol": [look.symbol for look in looks], "color": [look.line for look in looks], "size": 8}
-    return {**_marks(marks), "y": [row.stress for _, row in marks], "marker": {**shape, "line": _around(marks)}}
+    return {**_marks(marks), "y": [figures(row)[0] for _, row in marks], "marker": {**shape, "line": _around(marks)}}
 
 
 def _around(marks: Sequence[tuple[str, Row]]) -> dict[str, Any]:
@@ -201,7 +214,7 @@ def story(lane: str, row: Row) -> str:
 
 
 def _layout(lanes: Sequence[str], known: Mapping[str, str], lane: str, curve: str, theme: str, iterations: int) -> dict[str, Any]:
-    heights = (LANE * max(len(lanes), 1) + 10, STRESS, CURVE if curve else 1)
+    heights = (LANE * max(len(lanes), 1) + 10, BEND, CURVE if curve else 1)
     inside, gap = sum(heights) + 28, 14 / (sum(heights) + 28)
     bottom, domains = 1.0, []
     for height in heights:
@@ -217,7 +230,7 @@ def _layout(lanes: Sequence[str], known: Mapping[str, str], lane: str, curve: st
         "paper_bgcolor": GROUND[theme],
         "plot_bgcolor": "rgba(0,0,0,0)",
         "yaxis": {"domain": domains[0], "type": "category", "range": [-0.6, len(lanes) - 0.4], "showgrid": False, **rows},
-        "yaxis2": {"domain": domains[1], "title": {"text": "[MPa]"}, "rangemode": "tozero", "nticks": 4, "showticklabels": True},
+        "yaxis2": {"domain": domains[1], "title": {"text": "[mm]"}, "rangemode": "tozero", "nticks": 4, "showticklabels": True},
         "yaxis3": {
             "domain": domains[2], "visible": bool(curve), "title": {"text": word(UNITS[curve])}, "rangemode": "tozero", "nticks": 4,
             "showticklabels": True,

@@ -1,4 +1,4 @@
-"""The story of a run on one line: what was simulated and why, how near the limit it came, and which lane branched where."""
+"""The story of a run on one line: what was simulated and why, what stayed bent, and which lane branched where."""
 
 from __future__ import annotations
 
@@ -14,7 +14,6 @@ from mechstyle_widgets.jupyter.frame import Framed, unseen
 from mechstyle_widgets.jupyter.looks import close_family, lean, sharing, show, unheard
 from mechstyle_widgets.jupyter.page_widget import PageWidget, static
 from mechstyle_widgets.jupyter.throttle import Paced
-from mechstyle_widgets.replay.scrubber import Scrubber
 from mechstyle_widgets.state.schedule_forecast import plan_of
 from mechstyle_widgets.state.studio_state import Linked, StudioState
 from mechstyle_widgets.timeline import figure as timeline_figure
@@ -52,14 +51,14 @@ class Curves(PageWidget):
 
 
 class Timeline(Linked, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
-    """Iterations from left to right: lanes with their simulations on top, stress against its limit, and one curve to choose.
+    """Iterations from left to right: lanes with their simulations, what stayed bent beside what may, and one curve to choose.
 
     A click, or the arrow keys on the slider, shows another iteration; a click on another lane shows that lane. Before there is
     an iteration, it shows where the schedule that is asked for will simulate.
     `iteration` and `lane` are those of the state, both ways.
 
     Attributes:
-        scrubber: The slider, which may draw in a view what it passes.
+        slider: The slider over iterations.
         curve: What the lowest row shows, one of `CURVES`.
         theme: `light` or `dark`.
     """
@@ -74,14 +73,18 @@ class Timeline(Linked, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[mi
         self._width = width
         self._curves = Curves(self._clicked)
         self._draw_curves()
-        self.scrubber = Scrubber(state)
+        what = {"description": "iteration", "max": 1}
+        self.slider = lean(ipywidgets.IntSlider, tooltip="Arrow keys step", layout={"flex": "1 1 200px", "width": "auto"}, **what)
+        play = unseen(lean(ipywidgets.Play, show_repeat=False, tooltip="Play, and stop", layout={"width": "auto"}, **what))
+        self._links_in_page = [ipywidgets.jsdlink((self.slider, "max"), (play, "max"))]
+        self._links_in_page.append(ipywidgets.jslink((play, "value"), (self.slider, "value")))
         options = [(label, name) for name, label in CURVES.items()]
         choice = unseen(lean(
             ipywidgets.Dropdown,
-            options=options, value="", description="curve", tooltip="What is drawn besides the stress", layout={"width": "160px"},
+            options=options, value="", description="curve", tooltip="What is drawn besides", layout={"width": "160px"},
         ))  # fmt: skip
-        self.scrubber.layout.flex = "1 1 300px"
-        self._bar = lean(ipywidgets.HBox, [self.scrubber, choice], layout={"justify_content": "space-between", "flex_flow": "row wrap"})
+        look = {"justify_content": "space-between", "flex_flow": "row wrap"}
+        self._bar = lean(ipywidgets.HBox, [play, self.slider, choice], layout=look)
         super().__init__([self._bar, self._curves])
         self.add_class("mechstyle-timeline")
         self._redraw, self._point = Paced(self._draw, state.alert), Paced(self._move_line, state.alert)
@@ -109,7 +112,7 @@ class Timeline(Linked, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[mi
         if self._links:
             self.unlink()
             self._state.unobserve(self._heard, ("histories", "branches", "lane", "settings"))
-        close_family(self)
+        close_family(self, *self._links_in_page)
         super().close()
 
     # what is drawn
@@ -137,9 +140,9 @@ class Timeline(Linked, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[mi
 
     def _move_line(self) -> None:
         """Show the iteration; the end of the slider goes first, in a message of its own: browsers send a value beyond it back cut off."""
-        with unheard(self.scrubber, self._slid):  # a shorter lane cuts the value off as well
-            self.scrubber.max = max(self._state.iterations_done, self.iteration, 1)
-            self.scrubber.value = self.iteration
+        with unheard(self.slider, self._slid):  # a shorter lane cuts the value off as well
+            self.slider.max = max(self._state.iterations_done, self.iteration, 1)
+            self.slider.value = self.iteration
         show(self._bar, self._begun)  # there is nowhere to go yet
         self._curves.head = self.iteration
 

@@ -1,4 +1,4 @@
-"""Badge above the view: what the part survives, how much of the style is left, and where it is hardest pressed."""
+"""Badge above the view: what stays bent of the part, how much of the style is left, and where it is worst."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ import numpy as np
 from mechstyle.errors import MechStyleError
 from mechstyle.loop.history import Row
 from mechstyle.records import Checkpoint, Verdict, sentences
+from mechstyle.records.mesh import SurfaceMesh
 from mechstyle_widgets.jupyter.language import said
 from mechstyle_widgets.jupyter.looks import lean, show
 from mechstyle_widgets.jupyter.page_widget import static
@@ -27,7 +28,7 @@ class Badge(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
     def __init__(self) -> None:
         """Say nothing yet."""
         self._words = lean(ipywidgets.HTML, SHEET)
-        tooltip = "Look at the place where most is asked of it"
+        tooltip = "Look at the place that stays bent most"
         self._worst = lean(ipywidgets.Button, description="worst place", icon="crosshairs", tooltip=tooltip)
         self._fly: Callable[[], None] = lambda: None
         self._worst.on_click(lambda _: self._fly())
@@ -63,7 +64,7 @@ def of_state(state: StudioState) -> tuple[str, Verdict | None]:
 
 
 def judged(verdict: Verdict, when: str = "", kept: str = "", *, aged: bool = False) -> str:
-    """HTML for a verdict: its outcome, the figures of the test with the least reserve, and how it was found where the mouse rests.
+    """HTML for a verdict: its outcome, the figures of the test that decides, and how it was found where the mouse rests.
 
     `aged` says that it is of another iteration, so that its colour says nothing.
     """
@@ -85,9 +86,12 @@ def outcome(row: Row | None) -> str:
     return f'<small title="{whole}">{_outcome(row.verdict, row.verdict.outcome)}<br>{figures}</small>'
 
 
-def worst_vertex(checkpoint: Checkpoint) -> int:
-    """Vertex of the largest stress in the test with the least reserve: that which is ringed where stress is on show."""
-    return int(np.nanargmax(checkpoint.stress))
+def worst_vertex(mesh: SurfaceMesh, checkpoint: Checkpoint, verdict: Verdict) -> int:
+    """Vertex of a displaced part nearest to where it stays bent; of the largest stress in that test where it does not."""
+    row = verdict.deciding
+    if row is None or not row.place:
+        return int(np.nanargmax(checkpoint.stress))
+    return int(np.linalg.norm(mesh.vertices - np.asarray(row.where), axis=1).argmin())
 
 
 def _outcome(verdict: Verdict, words: str, *, aged: bool = False) -> str:

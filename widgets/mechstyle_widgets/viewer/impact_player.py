@@ -1,4 +1,4 @@
-"""The impact of an iteration, moment by moment: deformed as much as one likes, with the stress of that moment on it."""
+"""The impact of an iteration, moment by moment: deformed as much as one likes, with the stress of that moment on it, to the shape it keeps."""
 
 from __future__ import annotations
 
@@ -8,15 +8,14 @@ from functools import partial
 from typing import Any
 
 import ipywidgets
-import msgspec
 import numpy as np
 import traitlets
 
-from mechstyle.fea.orientations import FLAT, UP
+from mechstyle.fea.orientations import FLAT
 from mechstyle.pictures.fields import moment
-from mechstyle.records import Landing, Verdict
-from mechstyle.records.regions import Point
-from mechstyle.records.sentences import length
+from mechstyle.pictures.panels import FACTORS
+from mechstyle.records import Landing
+from mechstyle.records.sentences import bend
 from mechstyle.simulation.impact import Impact, impact_of
 from mechstyle_widgets.jupyter.frame import unseen
 from mechstyle_widgets.jupyter.language import said
@@ -26,9 +25,8 @@ from mechstyle_widgets.state.studio_state import StudioState
 from mechstyle_widgets.state.troubles import sentence
 from mechstyle_widgets.viewer.layers import Subject, layer_of
 
-FACTORS = (1, 2, 5, 10, 20, 50, 100, 200)
 FALL = 3.0
-"""How long a fall is that is played by itself, from first touch to the peak [s]; slow views take longer."""
+"""How long a fall is that is played by itself, from first touch to the shape that stays [s]; slow views take longer."""
 
 
 class _Cancelled(Exception):
@@ -38,29 +36,29 @@ class _Cancelled(Exception):
 class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
     """A button that drops the part of the iteration on show once more, and then a slider through what happened.
 
-    It opens at the moment of the peak; playing it begins at first touch and ends at the peak, and the slider goes on from there.
+    It opens at the moment of the peak; playing it begins at first touch and ends in the shape that stays.
     What stands beside the part falls with it, in the same landing and at the same time.
 
     Attributes:
         beside: Lane and iteration of each pane beside the part.
-        landing: Floor normal of the landing, one of those of the last simulation; as it stands at first.
+        landing: Name of the landing, one of those of the last simulation; flat at first.
         impact: The impact on show, None while there is none.
         frame: Which of its moments, counted from 0.
         exaggeration: Factor on the deformation; the motion of the part as a whole is shown as it is.
     """
 
     impact = traitlets.Instance(Impact, None, allow_none=True)
-    landing = traitlets.Tuple(UP)
+    landing = traitlets.Unicode(FLAT)
     frame = traitlets.Int(0)
     exaggeration = traitlets.Float(20.0)
     beside: tuple[tuple[str, int], ...] = ()
     _built = False
     _falling: Timer | None = None
-    _others: tuple[Impact, ...] = ()
+    _others: tuple[Impact | None, ...] = ()
 
     def __init__(self, state: StudioState) -> None:
         """Play impacts of whatever iteration a state shows."""
-        self._state, self._landings = state, dict[Point, Landing]()
+        self._state, self._landings = state, dict[str, Landing]()
         self._over = threading.Event()  # of the newest drop, set when its answer is there or nobody waits for it; each has its own
         self._over.set()
         self._once = False
@@ -68,25 +66,26 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
         self._button = lean(ipywidgets.Button, description="impact", icon="play-circle", tooltip=what, layout=look)
         self._which = unseen(lean(
             ipywidgets.Dropdown,
-            options=[(FLAT, UP)], description="landing", tooltip="Which landing, and its critical drop height",
+            options=[FLAT], description="landing", tooltip="Which landing, and what stays bent after it",
             layout={"width": "auto", "max_width": "280px"},
         ))  # fmt: skip
         self._away = lean(ipywidgets.Button, icon="times", tooltip="Back to the part at rest", layout={"width": "36px"})
         self._progress = lean(ipywidgets.FloatProgress, value=0.0, max=1.0, description="dropping", layout={"width": "260px"})
         self._said = lean(ipywidgets.HTML)
-        self._play = lean(ipywidgets.Play, interval=250, show_repeat=False, tooltip="Play from first touch to the peak")
+        self._play = lean(ipywidgets.Play, interval=100, show_repeat=False, tooltip="Play on to the shape that stays, and from there again")
         self._peak = lean(ipywidgets.Button, description="peak", tooltip="To the moment of the largest stress", layout={"width": "auto"})
         self._slider = lean(ipywidgets.IntSlider, readout=False, tooltip="Arrow keys step", layout={"width": "220px"})
-        self._time = lean(ipywidgets.HTML, layout={"width": "112px"})
+        self._time = lean(ipywidgets.HTML, layout={"width": "140px"})
         factors = [(f"× {factor}", float(factor)) for factor in FACTORS]
         wide = {"width": "230px"}
         factor = lean(ipywidgets.SelectionSlider, options=factors, value=self.exaggeration, description="deformed", layout=wide)
         moments = [self._play, self._slider, self._time, self._peak, factor, self._which, self._away]
+        self._factor = factor
         self._moments = lean(ipywidgets.HBox, moments, layout={"flex_flow": "row wrap", "align_items": "center"})
         self._start = lean(ipywidgets.HBox, [self._button])
         super().__init__([self._start])
         self.add_class("mechstyle-player-start")
-        self._link = ipywidgets.jsdlink((self._play, "value"), (self._slider, "value"))  # beyond the peak there is no playing
+        self._link = ipywidgets.jslink((self._play, "value"), (self._slider, "value"))
         traitlets.link((self._slider, "value"), (self, "frame"))
         traitlets.link((self, "landing"), (self._which, "value"))
         self._offer()
@@ -112,17 +111,17 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
             return
         self._progress.value, self._over, self._once = 0.0, threading.Event(), once
         self._say(self._progress)
-        part, store, landing = run.part, run.store, self.landing
-        shown = [checkpoint, *(self._state.checkpoint_at(iteration, lane) for lane, iteration in self.beside)]
-        fallen = [one for one in shown if one is not None]
-
+        landing, state = self.landing, self._state
+        fallen = [checkpoint, *filter(None, (state.checkpoint_at(iteration, lane) for lane, iteration in self.beside))]
         loop, over = running_loop(), self._over
 
-        def drop() -> list[Impact]:
-            return [
-                impact_of(part, store.recipe(one.recipe), one.displacement, store.memo, partial(progress, number), landing)
-                for number, one in enumerate(fallen)
-            ]
+        def drop() -> list[Impact | None]:
+            found = list[Impact | None]()
+            for number, one in enumerate(fallen):
+                tested, simulator = state.simulation(run.store, one), run.simulator(run.store.recipe(one.recipe))
+                there = number == 0 or tested.landing(landing) is not None
+                found.append(impact_of(simulator, tested, landing, partial(progress, number)) if there else None)
+            return found
 
         def progress(number: int, fraction: float) -> None:
             if over.is_set():
@@ -148,7 +147,7 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
 
     def land(self, name: str) -> None:
         """Choose a landing of the last simulation by its name; one that is not there changes nothing."""
-        self.landing = next((normal for normal, landing in self._landings.items() if landing.name == name), self.landing)
+        self.landing = name if name in self._landings else self.landing
 
     def put_away(self) -> None:
         """Show the part at rest again; a drop that is being worked out ends."""
@@ -157,26 +156,24 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
         self._others, self.impact = (), None
         self._say(self._start)
 
-    def at_the_moment(self, subject: Subject, verdict: Verdict | None, pane: int = 0) -> Subject:
-        """A subject at rest as the impact has it now, the stress of the moment against the limit of its landing; as it is without one.
+    def offer_bend(self, *, there: bool) -> None:
+        """Offer to exaggerate what stays bent, while that is shown instead of an impact."""
+        self._start.children = (self._button, self._factor) if there else (self._button,)
 
-        Without a verdict the limit is the material's strength. Pane 0 is the part on show, 1 and more are what stands beside it.
+    def at_the_moment(self, subject: Subject, pane: int = 0) -> Subject:
+        """A subject at rest as the impact has it now, the stress of the moment against the yield strength; as it is without one.
+
+        Pane 0 is the part on show, 1 and more are what stands beside it.
         """
         impacts = (self.impact, *self._others)
         impact = impacts[pane] if pane < len(impacts) else None
         if impact is None or self.impact is None or self._state.run is None:
             return subject
-        landing = self._landings.get(impact.normal)
-        row = None if landing is None or verdict is None else verdict.row(landing.way)
-        strength = self._state.run.recipe.test.material.yield_strength if verdict is None else verdict.strength
-        frame = self.frame if pane == 0 else int(np.abs(impact.time - self.impact.time[self.frame]).argmin())
-        name = FLAT if landing is None else landing.name
-        note = f"{name}, at {1e3 * impact.time[frame]:.0f} µs, deformed × {self.exaggeration:g}"
-        its = row if row is not None and row.landing == name else None
-        if pane == 0 and row is not None and landing is not None:
-            its = msgspec.structs.replace(row, landing=name, stress=landing.stress)
-        quantity = moment(strength if row is None else row.limit, its)
-        layer = layer_of(quantity, quantity.made(impact.stress[frame]), quantity.made(impact.stress), note)
+        ended = self.frame == self.impact.end
+        frame = impact.end if ended else int(np.abs(impact.time[:-1] - self.impact.time[self.frame]).argmin())
+        when = "in the shape that stays" if ended else f"at {1e3 * impact.time[frame]:.0f} µs"
+        note = f"{self.landing}, {when}, deformed × {self.exaggeration:g}"
+        layer = layer_of(moment(self._state.run.recipe.test.material.yield_strength), impact.stress[frame], impact.stress, note)
         return Subject(impact.shape(subject.mesh, frame, self.exaggeration), (*subject.layers, layer))
 
     def close(self) -> None:
@@ -193,24 +190,26 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
         self.children = widgets
         (self.add_class if widgets == (self._start,) else self.remove_class)("mechstyle-player-start")
 
-    def _show(self, impacts: list[Impact]) -> None:
+    def _show(self, impacts: list[Impact | None]) -> None:
         self._over.set()
         impact, *others = impacts
-        self._slider.max, self._play.max = len(impact.time) - 1, impact.peak
+        assert impact is not None, "the part on show fell"
+        self._slider.max = self._play.max = impact.end
         first = 0 if self._once and not self._state.calm else impact.peak
         self._slider.value = self._play.value = first
         self._others, self.impact = tuple(others), impact
         self._say(self._moments)
         self._tell_time()
-        self._fall(first)
+        if self._once and not self._state.calm:
+            self._fall(0)
 
     def _fall(self, reached: int) -> None:
-        """Go on to the peak, a moment at a time, unless somebody has gone elsewhere meanwhile."""
+        """Go on to the end, a moment at a time, unless somebody has gone elsewhere meanwhile."""
         loop, self._falling = running_loop(), None
-        if self.impact is None or self.frame != reached or reached >= self.impact.peak or loop is None:
+        if self.impact is None or self.frame != reached or reached >= self.impact.end or loop is None:
             return
         self._slider.value = self._play.value = reached + 1
-        self._falling = Timer(loop, FALL / max(self.impact.peak, 1), partial(self._fall, reached + 1))
+        self._falling = Timer(loop, FALL / self.impact.end, partial(self._fall, reached + 1))
 
     def _halt(self) -> None:
         self._play.playing = False
@@ -228,10 +227,10 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
         found: tuple[Landing, ...] = ()
         if run is not None and checkpoint is not None and checkpoint.simulation:
             found = self._state.simulation(run.store, checkpoint).landings
-        self._landings = {one.normal: one for one in found}
-        options = [(f"{one.name} · {length(one.critical_height)}", one.normal) for one in found] or [(FLAT, UP)]
+        self._landings = {one.name: one for one in found}
+        options = [(f"{one.name} · {bend(one.permanent_set)}", one.name) for one in found] or [(FLAT, FLAT)]
         if tuple(self._which.options) != tuple(options):
-            kept = self.landing if self.landing in [normal for _, normal in options] else options[0][1]
+            kept = self.landing if self.landing in [name for _, name in options] else options[0][1]
             self._which.options = options
             self._which.value = kept
 
@@ -244,7 +243,12 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
 
     @traitlets.observe("frame")
     def _tell_time(self, _change: object = None) -> None:
-        if self.impact is not None:
+        if self.impact is None:
+            return
+        landing = self._landings.get(self.landing)
+        if self.frame == self.impact.end and landing is not None:
+            self._time.value = said(f"{bend(landing.permanent_set)} stays bent")
+        else:
             at_peak = f" · {said('peak')}" if self.frame == self.impact.peak else ""
             self._time.value = f"{1e3 * self.impact.time[self.frame]:.0f} µs{at_peak}"
 

@@ -11,10 +11,9 @@ from numpy.typing import NDArray
 
 from mechstyle.errors import BadInput
 from mechstyle.pictures.colormap import Scale
-from mechstyle.pictures.fields import Quantity
-from mechstyle.records import Checkpoint
+from mechstyle.pictures.fields import STAYS_BENT, Quantity, known
+from mechstyle.records import Checkpoint, Simulation
 from mechstyle.records.mesh import SurfaceMesh
-from mechstyle.runs.export import known_fields
 from mechstyle.runs.run import Run
 
 STYLE = "style"
@@ -35,8 +34,7 @@ class Layer:
         note: What a reader should know about it, "" for nothing.
         title: What the menu calls it; the name by default.
         said: How a value at one place is written; as a figure with its unit if None.
-        most: Words of its greatest value, "" for that value.
-        judged: Value that stands for itself and all above it, None if all are shown.
+        edge: What the threshold is, as `Quantity.edge` has it.
     """
 
     name: str
@@ -48,8 +46,7 @@ class Layer:
     note: str = ""
     title: str = ""
     said: Callable[[float], str] | None = None
-    most: str = ""
-    judged: float | None = None
+    edge: str = "limit"
 
     def __post_init__(self) -> None:
         """Freeze the values and refuse a scale that is none."""
@@ -98,10 +95,17 @@ class Layer:
 
 @dataclass(frozen=True, eq=False)
 class Subject:
-    """Subject of the view: the part [mm], and fields over its surface."""
+    """Subject of the view: the part [mm], fields over its surface, and what stays bent of it.
+
+    Attributes:
+        mesh: The part.
+        layers: The fields.
+        bend: Displacement that stays in the test that decides [mm], shape [vertex_count, 3]; None where that is not known.
+    """
 
     mesh: SurfaceMesh
     layers: tuple[Layer, ...] = ()
+    bend: NDArray[np.float32] | None = None
 
     def __post_init__(self) -> None:
         """Refuse a layer of another part, and two of one name."""
@@ -122,6 +126,19 @@ class Subject:
         """The layer of a name, None if there is none."""
         return next((layer for layer in self.layers if layer.name == name), None)
 
+    @property
+    def most_bent(self) -> float:
+        """The largest displacement that stays [mm]."""
+        return 0.0 if self.bend is None else float(np.linalg.norm(self.bend, axis=1).max())
+
+    def bent(self, factor: float) -> Subject:
+        """The same in the shape that stays, exaggerated by a factor, which its layer tells."""
+        layer = self.layer(STAYS_BENT)
+        if layer is None or self.bend is None:
+            return self
+        told = replace(layer, note=f"{layer.note}, bend drawn × {factor:g}")
+        return replace(self.with_layer(told), mesh=self.mesh.moved(self.mesh.vertices + factor * self.bend))
+
 
 def layer_of(quantity: Quantity, values: NDArray[Any], seen: NDArray[Any] | None = None, note: str = "") -> Layer:
     """A layer of a quantity with a field [unit], shape [vertex_count], and perhaps a note instead of the quantity's own.
@@ -129,13 +146,17 @@ def layer_of(quantity: Quantity, values: NDArray[Any], seen: NDArray[Any] | None
     The colours show all of `seen`, of any shape; the values by default.
     """
     limits, text_at = quantity.limits(values if seen is None else seen), note or quantity.note
-    words = (text_at, quantity.title, quantity.said, quantity.most, quantity.judged)
+    words = (text_at, quantity.title, quantity.said, quantity.edge)
     return Layer(quantity.name, values, quantity.label, quantity.unit, limits, quantity.threshold, *words)
 
 
 def subject_of(run: Run, state: Checkpoint) -> Subject:
     """A checkpoint of a run, styled and coloured, with every field that is known there."""
     mesh = run.part.surface.displaced(state.displacement).coloured(state.colour)
-    found = known_fields(run.store, run.lane, run.part, state)
+    simulation = run.store.objects.get_record(state.simulation, Simulation) if state.simulation else None
+    recipe, newest, verdict = run.store.recipe(state.recipe), run.store.checkpoint(run.store.lane(run.lane).head), run.store.verdict(state)
+    found = known(recipe, state, simulation, run.part.thickness, newest, verdict)
     layers = tuple(layer_of(field.quantity, field.values, field.seen, field.note) for field in found)
-    return Subject(mesh, layers)
+    row = None if verdict is None or simulation is None else verdict.deciding
+    bend = None if row is None or simulation is None else simulation.set_of(landing=row.landing, load=row.load)
+    return Subject(mesh, layers, bend)

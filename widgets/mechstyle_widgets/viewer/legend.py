@@ -23,6 +23,8 @@ INK, FAINT = "var(--jp-ui-font-color1, #1c1c1e)", "var(--jp-ui-font-color2, #5f5
 BAR_WIDTH = 260  # [pixels]
 MOST_TICKS, CROWDED = 6, 0.12
 """Steps between ticks at most, and how near to the limit none stands, as a share of the bar."""
+BEYOND = {"limit": "is above the limit of", "yields at": "has yielded, which begins at", "allowed": "stays bent by more than the allowed"}
+"""What is said of a surface above a threshold, by what the threshold is."""
 
 
 def colour_bar(layer: Layer, mesh: SurfaceMesh, bands: int = 0, *, brief: bool = False) -> str:
@@ -31,14 +33,14 @@ def colour_bar(layer: Layer, mesh: SurfaceMesh, bands: int = 0, *, brief: bool =
     `brief` leaves out what is said of the surface, as where several share the bar.
     """
     scale, ticks = layer.scale, ""
-    for place, words in _ticks(scale, layer.judged):  # a share of each number's own width stands at the same share of the bar
+    for place, words in _ticks(scale):  # a share of each number's own width stands at the same share of the bar
         shift = min(max(place, 0.0), 1.0)
         ticks += f'<span style="position:absolute;left:{place:.1%};transform:translateX(-{shift:.0%})">{words}</span>'
     beyond = ""
     if layer.threshold is not None and not brief:
-        there, side = scale.beyond(layer.values), "below" if scale.lower_is_worse else "above"
-        share = f"{mesh.vertex_areas[there].sum() / mesh.vertex_areas.sum():.1%} of the surface is" if there.any() else "nothing is"
-        beyond = escape(translated(f"{share} {side} the limit of {layer.threshold:.3g} {layer.unit}".rstrip()))
+        there = scale.beyond(layer.values)
+        share = f"{mesh.vertex_areas[there].sum() / mesh.vertex_areas.sum():.1%} of the surface" if there.any() else "nothing"
+        beyond = escape(translated(f"{share} {BEYOND[layer.edge]} {layer.threshold:.3g} {layer.unit}".rstrip()))
     lines = [f"<div><b>{escape(translated(layer.caption))}</b></div>"]
     lines.append(f'<div style="width:{BAR_WIDTH}px;height:12px;border-radius:2px;background:{_gradient(scale, bands)}"></div>')
     lines.append(f'<div style="position:relative;width:{BAR_WIDTH}px;height:1.5em">{ticks}</div>')
@@ -96,21 +98,18 @@ def _extremes(layer: Layer) -> str:
     found = layer.extremes()
     if found is None:
         return ""
-    most = translated(layer.most) or f"max {layer.at(found[0])}"
-    words = escape(f"○ {most}   ▽ min {layer.at(found[1])}").replace("   ", " &emsp; ")
+    words = escape(f"○ max {layer.at(found[0])}   ▽ min {layer.at(found[1])}").replace("   ", " &emsp; ")
     return f'<span title="{word("dashed where it is on the far side")}">{words}</span>'
 
 
-def _ticks(scale: Scale, judged: float | None = None) -> list[tuple[float, str]]:
-    """Places along the bar, and what stands there: round values, in bold the limit, and what stands for all above it."""
+def _ticks(scale: Scale) -> list[tuple[float, str]]:
+    """Places along the bar, and what stands there: round values, and in bold the limit."""
     width, bold = scale.high - scale.low, scale.threshold if scale.split else None
     step = 2.5 * round_length(abs(width) / 9.0)
     step = next(one for one in (step / 2.5, step / 1.25, step, 2 * step) if abs(width) / one <= MOST_TICKS)
     first = math.ceil(min(scale.low, scale.high) / step - 1e-9)
     values = [step * number for number in range(first, math.floor(max(scale.low, scale.high) / step + 1e-9) + 1)]
     marked = {} if bold is None else {(bold - scale.low) / width: f"<b>{bold:.3g}</b>"}
-    if judged is not None and all(abs((judged - scale.low) / width - place) > CROWDED for place in marked):
-        marked[(judged - scale.low) / width] = f"≥ {judged:.3g}"
     found = {(value - scale.low) / width: f"{value:.3g}" for value in values}
     apart = [one for one in found.items() if all(abs(one[0] - place) > CROWDED for place in marked)]
     return [*apart, *marked.items()]

@@ -16,7 +16,7 @@ from mechstyle_widgets.jupyter.language import word
 from mechstyle_widgets.jupyter.looks import close_family, lean, show
 from mechstyle_widgets.viewer.layers import Subject
 
-COLUMNS = (("stress", "stress [MPa]"), ("safety_factor", "safety factor"), ("thickness", "wall [mm]"))
+COLUMNS = (("stress", "stress [MPa]"), ("stays_bent", "stays bent [mm]"), ("thickness", "wall [mm]"))
 """Layers the list shows, and what it calls them."""
 WIDTHS = "30px minmax(104px, 152px) repeat(3, minmax(44px, 96px)) 40px"
 BOM = "\ufeff"

@@ -9,8 +9,9 @@ import traitlets
 
 from mechstyle.errors import BadInput
 from mechstyle.fea.orientations import UP
-from mechstyle.pictures.fields import MOMENT
-from mechstyle.records import Checkpoint, Verdict
+from mechstyle.pictures.fields import MOMENT, STAYS_BENT
+from mechstyle.pictures.panels import exaggeration
+from mechstyle.records import Checkpoint
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.runs.run import Run
 from mechstyle_widgets.jupyter.language import word
@@ -26,8 +27,6 @@ FOLLOWED = ("checkpoint", "status")
 """Traits of the state that change what is to be seen: what a run delivers is drawn after its last checkpoint."""
 JUDGED = ("history", "checkpoint", "status", "another")
 """Traits of a state that its badge tells of."""
-PASSED = (STYLE, "stress", "demand", "restraint", "displacement")
-"""Layers a page can draw by itself: those of `quantities`, which a replay holds."""
 Derived = Callable[[Run, Checkpoint], Layer]
 
 
@@ -42,7 +41,7 @@ class _Wish(NamedTuple):
 class RunViewer(Linked, Viewer):
     """The styled part at the iteration a state shows, with every field known there; the unstylized part may stand beside it.
 
-    It follows the run directory it was made for; when the state opens another one, make another viewer.
+    The layer `stays_bent` shows it in the shape that stays after the test that decides, exaggerated. It follows the run directory it was made for; when the state opens another one, make another viewer.
 
     `iteration`, `lane` and `layer` are those of the state, both ways.
 
@@ -67,8 +66,7 @@ class RunViewer(Linked, Viewer):
         self._catch_up, self._moment = Paced(self._show_checkpoint, state.alert), Paced(self._show_moment, state.alert)
         self._newest, self._place = Newest(_seen, self._bring, state.alert), state.run.store.place
         self._drawn, self._drawn_lane = state.checkpoint.iteration, state.run.lane
-        subject, self._verdict = _seen(_Wish(state.run, state.checkpoint, ()))
-        self._still = subject
+        self._still = subject = _seen(_Wish(state.run, state.checkpoint, ()))
         original = subject_of(state.run, state.run.checkpoint(0))
         self._rests: tuple[Subject, ...] = (original,)
         self._before = STYLE  # of an impact
@@ -78,6 +76,7 @@ class RunViewer(Linked, Viewer):
         self.children = (*self.children[:-1], self.player, self.children[-1])  # between the view and what is written under it
         self.player.observe(lambda _: self._moment(), ("frame", "exaggeration"))
         self.player.observe(self._show_stress, "impact")
+        self.observe(self._bend, "layer")
         self.layer = state.layer = wanted
         self.link(state, "layer")
         state.observe(self._follow, FOLLOWED)
@@ -104,13 +103,6 @@ class RunViewer(Linked, Viewer):
         """Close the view; the state is not followed any more."""
         self.let_go()
         super().close()
-
-    @property
-    def page(self) -> dict[str, Any]:
-        """What a page needs to show other iterations in this view by itself; empty for a layer or a moment it does not hold."""
-        if self.layer not in PASSED or self.player.impact is not None:
-            return {}
-        return {**self._scenes[0].page, "view": self._views[0].model_id, "layer": self.layer, "drawn": self._drawn}
 
     @property
     def at_rest(self) -> SurfaceMesh:
@@ -149,14 +141,14 @@ class RunViewer(Linked, Viewer):
                 player.play()
 
     def _fall_once(self, _change: object = None) -> None:
-        """Show how both fall, once, as they do where one has least left."""
+        """Show how both fall, once, in the landing after which one stays bent most."""
         self._fall_together()
         self.player.put_away()
         shown = [self._state.row(iteration, lane) for lane, iteration in (self._drawn_place, *self._places)]
         decide = [row.verdict.deciding for row in shown if row is not None and row.verdict is not None]
-        hardest = min((row for row in decide if row is not None), key=lambda row: row.reserve, default=None)
-        if hardest is not None:
-            self.player.land(hardest.landing)
+        worst = max((row for row in decide if row is not None and row.landing), key=lambda row: row.used, default=None)
+        if worst is not None:
+            self.player.land(worst.landing)
         self.player.play(once=True)
 
     def _named(self, place: tuple[str, int]) -> str:
@@ -186,7 +178,7 @@ class RunViewer(Linked, Viewer):
         if run is None or shown is None or verdict is None:
             return
         try:
-            self._fly_to(badge.worst_vertex(shown))
+            self._fly_to(badge.worst_vertex(self._still.mesh, shown, verdict))
         except Exception as error:  # noqa: BLE001 — whatever it is, it is said
             self._state.alert(error)
 
@@ -198,26 +190,40 @@ class RunViewer(Linked, Viewer):
         if run is not None and state is not None and run.store.place == self._place:  # another part needs another viewer
             self._newest.ask(_Wish(run, state, self.derived))
 
-    def _bring(self, wish: _Wish, seen: tuple[Subject, Verdict]) -> None:
+    def _bring(self, wish: _Wish, seen: Subject) -> None:
         self._drawn, self._drawn_lane = wish.state.iteration, wish.run.lane
-        self._still, self._verdict = seen
+        self._still = seen
         with self.hold_trait_notifications():
             if self.compared:
                 self.names = (self._named(self._drawn_place), *self.names[1:])
                 self.outcomes = (badge.outcome(self._state.row(self._drawn, self._drawn_lane)), *self.outcomes[1:])
+            self._magnify()
             self._show_moment()
         if not self._state.busy:
             self.renew_still()
 
     def _show_moment(self) -> None:
-        moved = [
-            self.player.at_the_moment(rest, None if (row := self._state.row(iteration, lane)) is None else row.verdict, pane)
-            for pane, (rest, (lane, iteration)) in enumerate(zip(self._rests, self._places, strict=False), start=1)
-        ]
+        if self.layer == STAYS_BENT and self.player.impact is None:
+            shown, *beside = (one.bent(self.player.exaggeration) for one in (self._still, *self._rests))
+        else:
+            shown, *beside = (self.player.at_the_moment(one, pane) for pane, one in enumerate((self._still, *self._rests)))
         with self.hold_trait_notifications():
-            self.subject = self.player.at_the_moment(self._still, self._verdict)
-            if moved and self.original is not None:
-                self.original, self.third = moved[0], moved[1] if len(moved) > 1 else None
+            self.subject = shown
+            if self.original is not None:
+                self.original, self.third = beside[0], beside[1] if len(beside) > 1 else None
+
+    def _bend(self, change: Any) -> None:
+        """Show the part in the shape that stays, or as it is again."""
+        if STAYS_BENT in (change["new"], change["old"]):
+            self._magnify()
+            self._show_moment()
+
+    def _magnify(self) -> None:
+        """Offer to exaggerate the shape that stays, at first so that its bend can be seen."""
+        self.player.offer_bend(there=self.layer == STAYS_BENT)
+        if self.layer == STAYS_BENT:
+            most = max(one.most_bent for one in (self._still, *self._rests))
+            self.player.exaggeration = float(exaggeration(most, self._still.mesh.size))
 
     def _show_stress(self, change: Any) -> None:
         """An impact begins with its stress on show; when it is put away, what was on show before it takes its place again."""
@@ -234,12 +240,10 @@ class RunViewer(Linked, Viewer):
             self.layer = self._before
 
 
-def _seen(wish: _Wish) -> tuple[Subject, Verdict]:
-    """In whatever thread: what is to be seen of an iteration, and the newest verdict there."""
+def _seen(wish: _Wish) -> Subject:
+    """In whatever thread: what is to be seen of an iteration."""
     subject = subject_of(wish.run, wish.state)
     for layer in wish.derived:
         subject = subject.with_layer(layer(wish.run, wish.state))
     _ = subject.mesh.vertex_normals  # are kept with the mesh, and are most of the work
-    verdict = wish.run.store.verdict(wish.state)
-    assert verdict is not None, "the unstylized part is always tested"
-    return subject, verdict
+    return subject

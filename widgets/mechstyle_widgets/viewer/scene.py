@@ -16,7 +16,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from mechstyle.pictures.colormap import PLAIN
 from mechstyle.records.mesh import Floats, SurfaceMesh
-from mechstyle.runs.report.replay_data import NO_NUMBER
 from mechstyle_widgets.viewer import shaders
 from mechstyle_widgets.viewer.layers import Layer
 from mechstyle_widgets.viewer.shaders import HIDDEN, MOST_PINS, OWN, WHOLE
@@ -133,18 +132,6 @@ class Scene:
             foot, tip = (np.asarray(end, np.float64) for end in ends)
             self._bar.array = _single(_bar(foot, tip, self._thick, arrow=arrow))
         self._ruler.visible = len(ends) == 2
-
-    @property
-    def page(self) -> dict[str, Any]:
-        """Ids of what a page has to fill to show another frame of the part by itself, and the codes it paints with."""
-        buffers = {
-            "position": self._vertices, "normal": self._normals, "colour": self._colours, "place": self._places, "kind": self._kinds,
-        }  # fmt: skip
-        return {
-            "buffers": {name: buffer.model_id for name, buffer in buffers.items()},
-            "material": self.part.material.model_id,
-            "codes": {"nothing": shaders.NOTHING, "open": shaders.OPEN, "hidden": HIDDEN, "noNumber": NO_NUMBER},
-        }
 
     def _markers(self, *, near_side: bool) -> Any:
         """All markers over everything, or once more the extremes, where nothing of the part is before them."""

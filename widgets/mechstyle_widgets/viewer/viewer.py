@@ -211,7 +211,7 @@ class Viewer(Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipy
                 made.append(Panel(self.section.applied(subject.mesh)[0], title, view=seen))
                 continue
             mesh, values = self.section.applied(subject.mesh, layer.values)
-            how = (layer.unit, layer.label, layer.limits, layer.threshold, seen, layer.note, layer.judged, layer.most)
+            how = (layer.unit, layer.label, layer.limits, layer.threshold, seen, layer.note, layer.edge)
             made.append(Panel(mesh, title, values, *how))
         return made
 
@@ -321,10 +321,8 @@ class Viewer(Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipy
         scales = [layer.scale for layer in layers if layer is not None]
         if len(scales) < 2:
             return layers
-        ends, widest = [(scale.low, scale.high) for scale in scales], (max, min) if scales[0].lower_is_worse else (min, max)
-        limits, limit = (widest[0](low for low, _ in ends), widest[1](high for _, high in ends)), scales[0].threshold
-        judged = max((layer.judged for layer in layers if layer is not None and layer.judged is not None), default=None)
-        return [None if layer is None else replace(layer, limits=limits, threshold=limit, judged=judged) for layer in layers]
+        limits, limit = (min(scale.low for scale in scales), max(scale.high for scale in scales)), scales[0].threshold
+        return [None if layer is None else replace(layer, limits=limits, threshold=limit) for layer in layers]
 
     def _arrange(self) -> None:
         """Lay out one view, or two or three that share the width and the camera."""

@@ -8,7 +8,7 @@ const ROOTS = ".mechstyle-studio, .mechstyle-alone";
 const KEYS = { // the list that `?` opens
   "anywhere but in a field": [
     ["R", "run, or go on; in a field Ctrl with Enter"], [".", "one iteration"], ["Shift with .", "on to the next drop test"],
-    ["1 to 6, L", "style, stress, safety factor, restraint, demand, displacement; the next layer"],
+    ["1 to 6, L", "style, stress, what stays bent, restraint, demand, displacement; the next layer"],
     ["C, N", "compare with the iteration on show, branch from it"], ["I", "the impact, and back"], ["W", "what another setting would hold back"],
     ["Z, Y", "undo the last setting, redo it"], ["X, O, M, A, P", "cut open, look in parallel, measure, keep places, paint"], ["F", "full screen, and back"],
     ["?", "this list"], ["Escape", "closes this list; goes back from a page of settings; leaves the tool, then the measure, then the cut"],
@@ -18,7 +18,7 @@ const KEYS = { // the list that `?` opens
     ["Shift with 1 to 5", "front, side, top, below, three quarter"], ["Enter", "a click on what is under the cross in the middle"],
     ["Page Up, Page Down", "move the cut"], ["Space", "pause"],
   ],
-  "on the slider under it": [["left, right, Page Up, Page Down", "step from iteration to iteration"], ["up, down", "the lane above, below"], ["Home, End", "the first, the last"]],
+  "on the slider under it": [["arrows, Page Up, Page Down", "step from iteration to iteration"], ["Home, End", "the first, the last"]],
   "everywhere": [["Tab", "from control to control; a grid of pictures is one stop, in which the arrows move"]],
 };
 const FIELDS = "input:not([type=range], [type=checkbox]), textarea, select, [contenteditable]";

@@ -1,1 +1,0 @@
-"""Every iteration of a run in the browser, without the kernel."""
