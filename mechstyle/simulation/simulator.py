@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from mechstyle.errors import SimulationFailed
 from mechstyle.fea.drop import Drop, drop
+from mechstyle.fea.elements import element_named
 from mechstyle.fea.explicit import Progress, no_progress
 from mechstyle.fea.orientations import Orientations
 from mechstyle.fea.permanent_set import at_nodes, measured
@@ -213,10 +214,11 @@ class DropSimulator:
             return Landed(None, stress, strain, bend, contact, *figures, result.failure)
         tets, way, elastic = morphed.tets, self.landings, self.recipe.test.criterion == "paper"
         place: Place = (0.0, 0.0, 0.0)
+        element = element_named(self.recipe.test.element)
         permanent_set = plastic_strain = 0.0
         if not elastic:
             permanent_set, place, plastic_strain = measured(tets, result.permanent[index], result.tension_strain[index])
-            strain = body.field_at_surface(at_nodes(tets, result.at_corners(result.plastic_strain[index])))
+            strain = body.field_at_surface(at_nodes(tets, element.at_corners(result.plastic_strain[index])))
             bend = body.displacement_at_surface(result.permanent[index])
         x, y, z = (float(part) for part in way.normals[number])
         landing = Landing(
@@ -225,7 +227,7 @@ class DropSimulator:
             maximum=float(result.von_mises[index].max()), touches=tuple(phase.speed for phase in result.phases[index]),
             ended=result.endings[index],
         )  # fmt: skip
-        stress = body.field_at_surface(at_nodes(tets, result.at_corners(result.von_mises[index])))
+        stress = body.field_at_surface(at_nodes(tets, element.at_corners(result.von_mises[index])))
         shown = stress if elastic else flow_stress(stress, strain, self.recipe.test.material)
         return Landed(landing, shown, strain, bend, contact, *figures)
 
