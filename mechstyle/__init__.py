@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from mechstyle.records.material import LIBRARY, Material
     from mechstyle.records.mesh import SurfaceMesh
     from mechstyle.records.regions import Box, HalfSpace, Sphere
-    from mechstyle.runs.deepest import deepest
     from mechstyle.runs.printing import Printing
     from mechstyle.runs.protection import protect
     from mechstyle.runs.run import Run, stylize
@@ -42,7 +41,6 @@ _WHERE = {name: module for module, names in {
     "records.material": "LIBRARY Material",
     "records.mesh": "SurfaceMesh",
     "records.regions": "Box HalfSpace Sphere",
-    "runs.deepest": "deepest",
     "runs.printing": "Printing",
     "runs.protection": "protect",
     "runs.run": "Run stylize",
@@ -53,7 +51,7 @@ _WHERE = {name: module for module, names in {
 
 __all__ = [
     "LIBRARY", "BadInput", "Box", "HalfSpace", "Load", "LoadCase", "Material", "MechStyleError", "PartTest", "Printing", "Recipe", "Run",
-    "Sphere", "Support", "SurfaceMesh", "Verdict", "deepest", "lab", "load", "protect", "register_stylizer", "save", "simulate",
+    "Sphere", "Support", "SurfaceMesh", "Verdict", "lab", "load", "protect", "register_stylizer", "save", "simulate",
     "strengthen", "styles", "stylize",
 ]  # fmt: skip
 

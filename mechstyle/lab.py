@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from mechstyle.records.material import material_named
     from mechstyle.records.mesh import TetMesh
     from mechstyle.records.regions import End, Holes, Inside, Outside, Rim, Segment, Sides, Vertices
-    from mechstyle.runs.deepest import Depth
     from mechstyle.runs.protection import ProtectedPart
     from mechstyle.runs.recipes import changed, plan
     from mechstyle.runs.run import begin
@@ -36,7 +35,6 @@ _WHERE = {name: module for module, names in {
     "records.material": "material_named",
     "records.mesh": "TetMesh",
     "records.regions": "End Holes Inside Outside Rim Segment Sides Vertices",
-    "runs.deepest": "Depth",
     "runs.protection": "ProtectedPart",
     "runs.recipes": "changed plan",
     "runs.run": "begin",
@@ -48,7 +46,7 @@ _WHERE = {name: module for module, names in {
 }.items() for name in names.split()}  # fmt: skip
 
 __all__ = [
-    "Bounds", "Checkpoint", "DamagedStore", "Depth", "Doubt", "DropSimulator", "End", "Engine", "Holes", "Inside", "Landing",
+    "Bounds", "Checkpoint", "DamagedStore", "Doubt", "DropSimulator", "End", "Engine", "Holes", "Inside", "Landing",
     "LoadResult", "MissingPiece", "Model", "Outside", "Patch", "Picture", "ProceduralStylizer", "ProtectedPart", "Rim", "Row", "Segment",
     "Session", "Sides", "Simulation", "SimulationFailed", "Store", "Strengthened", "Stylizer", "Target", "TetMesh", "Vertices",
     "Workpiece", "begin", "changed", "material_named", "plan", "prepare",

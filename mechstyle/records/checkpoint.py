@@ -33,10 +33,10 @@ class Checkpoint:
         mask: Factor on further movement in [0, 1], shape [vertex_count].
         share: Factor on the style's target after corrections in [0, 1], shape [vertex_count].
         anchor: Displacement at the last simulation [mm], shape [vertex_count].
-        stress: Stress of the last simulation in the test that decides [MPa], shape [vertex_count].
+        stress: Stress of the last simulation in its worst test [MPa], shape [vertex_count].
         demand: s_norm of the last simulation, shape [vertex_count].
         simulated_at: Iteration of the last simulation.
-        simulation: Digest of the stored last simulation, which also holds contact and all orientations.
+        simulation: Digest of the stored last simulation, which also holds what stays bent, contact and all landings.
         style_loss: Loss of this very surface and its colours against the style's target.
         reason: Why this iteration was simulated, "" if it was not.
         verdict: Verdict of this iteration's simulation, None if it was not simulated.

@@ -14,21 +14,29 @@ WORDS: dict[str, tuple[str, str]] = {
     "vertices": ("vertices", "Number of points of the surface: more of them draw finer and take longer."),
     "protect": ("protected", "Places that the style leaves plain."),
     "stress": ("stress", "Force per area inside the material, in MPa: von Mises stress, averaged over 2 mm."),
-    "yield_strength": ("yield strength", "The stress at which a material begins to yield: it is bent for good."),
-    "limit": ("limit", "The greatest stress that still passes, in the test it belongs to."),
-    "demand": ("demand", "Share of a place's reserve of stress that the style has used: 0 on the plain part, 1 at the limit."),
+    "yield_strength": ("yield strength", "The stress at which a material begins to yield: what goes on from there is bent for good."),
+    "hatched": ("hatched", "In a picture of stress, what has yielded; in any other, what is beyond the limit on its colour bar."),
+    "permanent_set": ("what stays bent", "How far the part is off its shape when all is at rest, in millimetres: a caliper reads it."),
+    "tolerance": ("tolerance", "The most that may stay bent after a fall or a load, 0.2 mm by default: half a line of plastic."),
+    "plastic_strain": ("strain", "Share by which the material was stretched for good where it was stretched most."),
+    "elongation": ("elongation at break", "The strain at which a material cracks: some 2 to 6 % for printed plastics."),
+    "limit": ("allowed", "What may stay bent in a test: the tolerance, or a little more than stays bent of the plain part."),
+    "demand": ("demand", "Share of a place's reserve that the style has used: 0 on the plain part, 1 where it yields."),
     "normalisation": (
         "compares",
         "What stress is compared with: the reserve of that place, the peak of the plain part, or a share of the yield strength.",
     ),
-    "headroom": ("headroom", "Reserve of stress of a place: its limit less the stress on the plain part."),
+    "headroom": ("headroom", "Reserve of a place: what its material bears before it yields, less what the plain part needs of it."),
     "mask, restraint": ("held back", "Share of its movement that a place is denied: 0 moves freely, 1 stops."),
     "threshold": ("threshold", "Demand at which a place may move no further; less is more careful."),
     "control": (
         "strategy",
         "How demand slows the style: evenly (linear), close to the limit (exponential), only at the limit (frozen), not at all (none).",
     ),
-    "guarantee": ("correction", "A finished part that fails is lowered where it is overloaded, step by step, until it passes."),
+    "guarantee": (
+        "correction",
+        "A finished part that fails is lowered where it yields, or as a whole; what passes and keeps most is taken.",
+    ),
     "schedule": ("schedule", "At which iterations the part is dropped on the way; the last one always is."),
     "travel": ("travel", "Movement of the surface since its last drop, as a share of the wall."),
     "style_loss": ("style loss", "Distance of the part from the style that was asked for."),
@@ -38,42 +46,31 @@ WORDS: dict[str, tuple[str, str]] = {
     "flat": ("flat", "The landing on what the part stands on, as it stands."),
     "nearly_flat": (
         "nearly flat",
-        "Landings tilted by 3° onto the corners and sides of what the part stands on; the worst of them is judged.",
+        "Landings tilted by 3° onto the corners and sides of what the part stands on; each of them is judged.",
     ),
-    "any_landing": ("any landing", "Landings in other directions, judged by their mean against the plain part; only if you ask for them."),
+    "any_landing": ("any landing", "Landings in other directions, if you ask for them; each of them is judged."),
     "height": ("fall", "Height from which the part is to survive a fall, 1.5 m by default."),
     "original": ("plain part", "The part without a style, which takes the same tests."),
-    "critical_height": (
-        "critical drop height",
-        "Height from which the part may fall, in one landing, before a piece as large as a cube of 4 mm begins to yield.",
-    ),
-    "factor": ("load factor", "How many times its load the part carries before a piece as large as a cube of 2 mm begins to yield."),
-    "reserve": ("reserve", "What the part survives beyond what it needs to pass a test; below zero it fails the test."),
-    "safety_factor": (
-        "safety factor",
-        "Yield strength over stress, σ_y/σ_V, in the test with the least of it: below 1 a piece of the part begins to yield.",
-    ),
     "section": ("cut", "A plane that opens the view: the part beyond it is hidden."),
     "places": ("places", "Points of the surface in a numbered list, with their values."),
     "moment": ("stress of the moment", "Stress at one moment of an impact; its greatest moment is the peak."),
     "outcome": (
         "HOLDS · NO WORSE · FAILS · UNKNOWN",
         (
-            "Survives what you asked for · does not, but nearly as much as the plain part, which does not either · survives clearly less"
-            " · the test gave no answer, which is never to be read as survived."
+            "In no test more than the tolerance stays bent, and nothing cracks · more stays, but hardly more than of the plain part · more"
+            " stays, or it cracks · the test gave no answer, which is never to be read as survived."
         ),
     ),
     "doubts": (
         "doubt",
-        "Why an outcome is not sure: a test closer to its limit than it repeats, or a mesh that misses some of the relief.",
+        "Why an outcome is not sure: a test closer to what is allowed than it repeats, or a mesh that misses some of the relief.",
     ),
     "criterion": (
         "criterion",
-        "Rule of the verdict: `robust`, the fall and the loads that the part survives; `paper`, the published rule.",
+        "Rule of the verdict: `robust`, what stays bent; `paper`, the published rule, the largest stress against the yield strength.",
     ),
-    "loads": ("load", "Forces of its use that the part must carry, tested at rest."),
-    "strengthen": ("thicken", "A plain part that fails is first made thicker where it is overloaded."),
-    "sigma_v": ("σ_V", "The stress that more than a given volume of the part exceeds; verdicts compare it with the yield strength."),
+    "loads": ("load", "Forces of its use that the part must carry: put on, held and taken off."),
+    "strengthen": ("thicken", "A plain part that fails is first made thicker where it yields."),
     "tetrahedra": ("mesh", "The small tetrahedra that fill the part, on which the simulation computes."),
     "minimum_wall": ("thinnest wall", "Least thickness of a wall that the style may leave."),
     "freestyle": (
@@ -82,7 +79,7 @@ WORDS: dict[str, tuple[str, str]] = {
     ),
     "both": ("Both", "One run after the other on the same part, MechStyle and then Freestyle, shown side by side."),
     "pinned, third": ("beside, third pane", "Iterations that stay in sight next to the one that is shown, under the same camera."),
-    "decisive": ("✕, what decides", "The place that decides the verdict of the version with the smallest reserve."),
+    "decisive": ("✕, the worst place", "The place that stays bent most, of the version that is worse off."),
     "scrubber": ("iteration", "A step of the style; the slider shows any of them, and loads its details when you let go."),
 }
 """by the names in code: the word people read, and the sentence that teaches it; `docs/glossary.md` lists them."""

@@ -13,7 +13,7 @@ import msgspec
 
 from mechstyle._files import write_whole
 from mechstyle.errors import BadInput
-from mechstyle.fea.stressed_volume import DROPPED, LOADED
+from mechstyle.fea.permanent_set import VOLUME
 from mechstyle.loop.history import Row, Step, largest_mask_change, rows, standing, steps
 from mechstyle.pictures.panels import Picture, picture
 from mechstyle.records import Recipe, Verdict, sentences
@@ -43,13 +43,15 @@ from mechstyle.runs.report.timeline import timeline
 
 LIMITS = (
     "The verdict compares falls and loads in a simulation. It is no certificate: do not rely on it where somebody can get hurt.",
-    "The part is solid, isotropic and elastic up to yield: no layers without a build direction, no infill, fatigue, creep or fracture.",
-    f"In a fall a cube of {DROPPED:.0f} mm that is bent for good counts, under a load one of {LOADED:.0f} mm; smaller dents do not.",
-    "Where the plain part itself begins to yield, as most plastic parts do on an edge, the styled part is compared with it.",
-    "A fall or a load closer to its limit than a mesh made anew moves it is not sure.",
+    "The part is solid and isotropic, elastic and then plastic: no layers without a build direction, no infill, fatigue or creep.",
+    f"A length stays bent where more than {VOLUME:.0f} mm³ of the part does; smaller dents do not count.",
+    "It cracks where the plastic strain in tension exceeds the elongation at break; how a crack runs on is not computed.",
+    "Plastics yield later in a fall than in the slow tests that their figures come from: what stays bent is told on the safe side.",
+    "Where more than the tolerance stays bent of the plain part itself, the styled part is compared with it.",
+    "A fall or a load closer to what is allowed than a mesh made anew moves it is not sure.",
     "The largest stress of an element, which the published rule looks at, depends on the mesh where the floor meets the part at a point.",
     "A drop hardly notices walls that are merely too thin to print or to handle. Look at the wall thickness too.",
-    "Between simulations the stress and the mask shown are those of the last one.",
+    "Between simulations stress, bend and mask shown are those of the last one.",
 )
 """Limits of the method."""
 
@@ -183,8 +185,11 @@ def _verdict(verdict: Verdict) -> Markup:
 def _figures(run: LaneOfRun, history: Sequence[Row]) -> Markup:
     """The figures one looks for first, beside the verdict."""
     now, verdict = standing(history)
-    factor = verdict.safety_factor
-    shown = [("safety factor", "–" if factor is None else f"{factor:.2f}", "yield strength over stress, the least that decides")]
+    worst, shown = verdict.deciding, [("stays bent", "–", "nothing was tested")]
+    if worst is not None:
+        name = "stays bent" if worst.stress is None else "largest stress"
+        where = ", ".join(filter(None, (sentences.label(worst), worst.place, f"{sentences.allowed(worst)} allowed")))
+        shown = [(name, sentences.found(worst), where)]
     shown.append(("held back", f"{now.share:.0%}", f"{now.restrained} of {now.vertices} vertices"))
     if run.part.mass_gained:
         shown.append(("thickened first", f"{run.part.mass_gained:+.1f} g", "before the style: the plain part here is the thickened one"))
@@ -213,7 +218,7 @@ def _story(passed_steps: Sequence[Step], last: Row) -> Markup:
         '<p>{sentence}</p><div class="scroll"><table class="steps">'
         "<caption>Simulations, and what they restrained; a click shows the iteration</caption>"
         '<thead><tr><th scope="col">iteration</th><th scope="col">why it was simulated</th><th scope="col">outcome</th>'
-        '<th scope="col">stress</th><th scope="col">held back</th><th scope="col">newly</th></tr></thead>'
+        '<th scope="col">worst test</th><th scope="col">held back</th><th scope="col">newly</th></tr></thead>'
         "<tbody>{rows}</tbody></table></div>",
         sentence=sentence, rows=rows,
     )  # fmt: skip
@@ -221,7 +226,7 @@ def _story(passed_steps: Sequence[Step], last: Row) -> Markup:
 
 def _row(step: Step) -> tuple[object, ...]:
     outcome, held = badge(step.outcome, sure=step.verdict.sure), f"{step.restrained} ({step.share:.1%})"
-    return step.iteration, step.reason, outcome, _stress(step), held, step.added
+    return step.iteration, step.reason, outcome, _worst(step), held, step.added
 
 
 def _notes(run: LaneOfRun) -> Markup:
@@ -264,10 +269,13 @@ def _material(material: Material) -> Markup:
         ("Poisson's ratio ν", f"{material.poisson_ratio:g}"),
         ("density ρ", f"{1000 * material.density:g} g/cm³"),
         ("yield strength", f"{material.yield_strength:g} MPa"),
+        ("hardening past yield", f"{material.hardening:g} MPa"),
+        ("elongation at break", f"{material.elongation:.1%}"),
         ("safety coefficient λ_s (published criterion)", f"{material.safety_coefficient:g}"),
         ("strength across printed layers", layers),
     )
-    source = fill('<p class="faint">Source of the figures of {name}: {source}.</p>', name=material.name, source=material.source.rstrip("."))
+    sources = "; ".join(one.rstrip(".") for one in (material.source, material.yielding_source) if one)
+    source = fill('<p class="faint">Source of the figures of {name}: {sources}.</p>', name=material.name, sources=sources)
     return joined([table(("property", "value"), rows, f"Material {material.name}"), source])
 
 
@@ -293,24 +301,24 @@ def mimebundle(run: LaneOfRun) -> dict[str, str]:
     words, lines, cells = standing(history)[1].words, list[str](), list[tuple[object, ...]]()
     for step in steps(run.store, history):
         outcome = sentences.marked(step.outcome, sure=step.verdict.sure)
-        lines.append(f"{step.iteration:>5}  {outcome:<19}  {_stress(step)}  {step.reason}")
-        cells.append((step.iteration, step.reason, outcome, _stress(step), f"{step.share:.0%}"))
+        lines.append(f"{step.iteration:>5}  {outcome:<19}  {_worst(step)}  {step.reason}")
+        cells.append((step.iteration, step.reason, outcome, _worst(step), f"{step.share:.0%}"))
     html = fill(  # no style sheet and no script, which such places strip
         "<p><strong>{name}</strong> as “{prompt}”</p>{picture}<p>{words}</p>{rows}",
         name=run.record.name, prompt=run.recipe.style.prompt, picture=still(run), words=words,
-        rows=table(("iteration", "why it was simulated", "outcome", "stress", "held back"), cells, "Simulations"),
+        rows=table(("iteration", "why it was simulated", "outcome", "worst test", "held back"), cells, "Simulations"),
     )  # fmt: skip
     return {"text/plain": "\n".join([repr(run), words, *lines]), "text/html": html}
 
 
 def still(run: LaneOfRun) -> Markup:
-    """The plain part, then styled, stressed and restrained, as images that carry their own bytes."""
+    """The plain part, then styled, stressed, bent and restrained, as images that carry their own bytes."""
     from mechstyle.pictures.figure import Panel  # noqa: PLC0415 — matplotlib is loaded when a picture is wanted
 
     return joined(
         [
             _image(picture([Panel(run.part.surface, "plain part")]), "The plain part"),
-            _image(run.show(), f"The part as {run.recipe.style.prompt}, its stress and its restraint"),
+            _image(run.show(), f"The part as {run.recipe.style.prompt}, its stress, what stays bent and its restraint"),
         ]
     )
 
@@ -320,7 +328,7 @@ def _image(shown: Picture, words: str) -> Markup:
     return fill('<img src="data:image/png;base64,{data}" alt="{words}">', data=data, words=words)
 
 
-def _stress(step: Step) -> str:
-    """The test that decides, its stress and its limit; a dash without an answer."""
+def _worst(step: Step) -> str:
+    """The worst test, what it found and what it allows; a dash without an answer."""
     decides = step.verdict.deciding
     return "–" if decides is None else sentences.figures(decides)

@@ -7,7 +7,8 @@ before, low bytes apart from high bytes, which gzip then packs to a fraction. `s
 Of a long run on many vertices some iterations are left out, or a file would have hundreds of megabytes: what was simulated is in it.
 
 Impacts follow: the motion as a whole of each moment, what is left of it, and the stress. Only what was worked out before is shown, because
-a drop takes its time. `static/impact.js` plays what is packed here; positions and faces are those of the replay at its last iteration.
+a drop takes its time; the last moment is the shape that stays. `static/impact.js` plays what is packed here; positions and faces are those
+of the replay at its last iteration.
 """
 
 from __future__ import annotations
@@ -22,14 +23,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mechstyle._colour import linear_to_srgb
-from mechstyle.fea.orientations import UP
 from mechstyle.loop.history import Row, per_iteration
 from mechstyle.pictures import scene
 from mechstyle.pictures.colormap import ABOVE, LINE, STRIPE, UNKNOWN, Scale
-from mechstyle.pictures.fields import Quantity, moment, quantities
-from mechstyle.records import Checkpoint, Simulation, sentences
+from mechstyle.pictures.fields import STAYS_BENT, Quantity, moment, quantities, stays_bent
+from mechstyle.records import Landing, Recipe, Simulation, sentences
 from mechstyle.records.mesh import SurfaceMesh
-from mechstyle.records.simulation import Place
 from mechstyle.runs.report.run_protocol import LaneOfRun, begun
 from mechstyle.simulation.impact import Impact, impact_key, impact_of
 
@@ -40,7 +39,7 @@ MOST = 5_000_000
 NO_NUMBER = 65535
 """Stands for a value that is not a number."""
 
-STYLE = {"key": "style", "title": "Style", "label": "", "unit": "", "low": 0.0, "high": 1.0, "threshold": None, "judged": None}
+STYLE = {"key": "style", "title": "Style", "label": "", "unit": "", "low": 0.0, "high": 1.0, "threshold": None, "bounded": False}
 """The layer of the part's own colours."""
 
 Plane = NDArray[np.uint8] | NDArray[np.uint16]
@@ -71,6 +70,7 @@ class Digests(msgspec.Struct, frozen=True):
     stress: str
     demand: str
     mask: str
+    simulation: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,17 +121,14 @@ def replay_data(run: LaneOfRun) -> ReplayData:
     rows = _shown(per_iteration(history), run.part.surface)
     digests = [run.store.objects.get_record(row.digest, Digests) for row in rows]
     surface = run.part.surface
-    shown = quantities(run.recipe, run.store.verdict(history[-1]))
-    newest, frames_of = None, list[tuple[Quantity, ...]]()
-    for row in rows:
-        newest = row.verdict or newest
-        frames_of.append(tuple(quantities(run.recipe, newest)))
-    each = zip(*frames_of, strict=True)  # the quantities of every frame
-    fields = dict[str, Channel]()
-    for of in each:  # made as the quantity of the frame in which a plane appears first
-        different, frames = _unique(digests, of[-1].source)
-        arrays = [of[frames.index(place)].made(run.store.objects.get_array(digest)) for place, digest in enumerate(different)]
-        fields[of[-1].name] = channel_of(of[-1].name, arrays, frames)
+    fields, shown = dict[str, Channel](), quantities(run.recipe, run.store.verdict(history[-1]))
+    for of in shown:
+        different, frames = _unique(digests, "simulation" if of.name == STAYS_BENT else of.source)
+        if of.name == STAYS_BENT:
+            arrays = [_bend(run, digest, rows[frames.index(place)]) for place, digest in enumerate(different)]
+        else:
+            arrays = [of.made(run.store.objects.get_array(digest)) for digest in different]
+        fields[of.name] = channel_of(of.name, arrays, frames)
     different, frames = _unique(digests, "colour")
     colours = (run.store.objects.get_array(digest).astype(np.float32) for digest in different)
     planes: list[Plane] = [np.rint(255 * np.clip(colour, 0, 1)).astype(np.uint8).ravel() for colour in colours]
@@ -150,6 +147,15 @@ def _shown(rows: Sequence[Row], surface: SurfaceMesh) -> list[Row]:
     """The iterations to show: all, or the simulated ones, the last and as many others, evenly, as MOST allows."""
     every = max(1, round(len(rows) * len(surface.vertices) / MOST))
     return [row for number, row in enumerate(rows) if row.verdict is not None or row is rows[-1] or number % every == 0]
+
+
+def _bend(run: LaneOfRun, simulation: str, row: Row) -> NDArray[np.float32]:
+    """What stays bent in the worst test of a stored simulation, as a checkpoint judges it [mm], shape [vertex_count]; NaN without one."""
+    verdict = run.store.verdict(row)
+    worst = None if verdict is None else verdict.deciding
+    if worst is None or not simulation:
+        return np.full(len(run.part.surface.vertices), np.nan, np.float32)
+    return stays_bent(worst).of(run.store.objects.get_record(simulation, Simulation))
 
 
 def _unique(digests: Sequence[Digests], key: str) -> tuple[list[str], list[int]]:
@@ -174,7 +180,7 @@ def channel_of(name: str, arrays: Sequence[NDArray[Any]], frames: list[int] | No
 
 
 def _frame(row: Row) -> dict[str, Any]:
-    """A frame; stress and limit are of the test that decides [MPa], 0 without an answer."""
+    """A frame of the replay."""
     frame = {
         "iteration": row.iteration, "simulatedAt": row.simulated_at, "reason": row.reason,
         "restrained": round(row.share, 5), "loss": row.style_loss,
@@ -182,9 +188,7 @@ def _frame(row: Row) -> dict[str, Any]:
     verdict = row.verdict
     if verdict is None:
         return frame
-    decides = verdict.deciding
-    figures = {"stress": 0.0, "limit": verdict.strength} if decides is None else {"stress": decides.stress, "limit": decides.limit}
-    return {**frame, "outcome": sentences.marked(verdict.outcome, sure=verdict.sure), "words": sentences.note(verdict), **figures}
+    return {**frame, "outcome": sentences.marked(verdict.outcome, sure=verdict.sure), "words": sentences.note(verdict)}
 
 
 def layer_entry(quantity: Quantity, channel: Channel) -> dict[str, Any]:
@@ -192,7 +196,7 @@ def layer_entry(quantity: Quantity, channel: Channel) -> dict[str, Any]:
     low, high = quantity.limits(channel.extremes) or channel.extremes
     return {
         "key": quantity.name, "title": quantity.title.capitalize(), "label": quantity.label, "unit": quantity.unit,
-        "low": low, "high": high, "threshold": quantity.threshold, "judged": quantity.judged,
+        "low": low, "high": high, "threshold": quantity.threshold, "bounded": quantity.bounded,
     }  # fmt: skip
 
 
@@ -218,57 +222,60 @@ BUDGET = 3_700_000
 
 
 def impacts(run: LaneOfRun) -> list[ReplayData]:
-    """The impacts of the last checkpoint that were worked out: flat, then those that stress it most, as many as there is room for."""
+    """The impacts of the last test that were worked out: flat, then those after which most stays bent, as many as there is room for."""
     found: list[ReplayData] = []
-    state = run.store.checkpoint(run.store.lane(run.lane).head)
-    recipe = run.store.recipe(state.recipe)
-    for name, normal in _landings(run, state):
-        impact = run.store.memo.recall(impact_key(recipe, state.displacement, normal), Impact)
-        if impact is None or impact.displacement.shape[1] != len(state.displacement):
+    recipe, simulation = _last_test(run)
+    for landing in _landings(simulation):
+        assert simulation is not None, "it has landings"
+        impact = run.store.memo.recall(impact_key(recipe, simulation, landing.normal), Impact)
+        if impact is None or impact.displacement.shape[1] != len(simulation.displacement):
             continue
-        played = impact_data(run, state, name, impact)
+        played = impact_data(run, simulation, landing, impact)
         if sum(len(one.payload) for one in (*found, played)) <= BUDGET:
             found.append(played)
     return found
 
 
 def work_out(run: LaneOfRun) -> None:
-    """Drop the last checkpoint flat, and in the other landing that stresses it most, so that `impacts` finds them.
+    """Drop the part of the last test flat, and in the other landing after which most stays bent, so that `impacts` finds them.
 
     SimulationFailed if a drop breaks down.
     """
+    recipe, simulation = _last_test(run)
+    for landing in _landings(simulation)[:2]:
+        assert simulation is not None, "it has landings"
+        impact_of(run.simulator(recipe), simulation, landing.name)
+
+
+def _last_test(run: LaneOfRun) -> tuple[Recipe, Simulation | None]:
+    """The recipe of the last checkpoint and its simulation, None if there is none of this measure."""
     state = run.store.checkpoint(run.store.lane(run.lane).head)
-    for _, normal in _landings(run, state)[:2]:
-        impact_of(run.part, run.store.recipe(state.recipe), state.displacement, run.store.memo, normal=normal)
+    verdict = run.store.verdict(state)
+    known = verdict is not None and verdict.rows and state.simulation
+    return run.store.recipe(state.recipe), run.store.objects.get_record(state.simulation, Simulation) if known else None
 
 
-def _landings(run: LaneOfRun, state: Checkpoint) -> list[tuple[str, Place]]:
-    """Name and floor normal of the landings of the last simulation: flat, then those that stress the part most."""
-    tested = run.store.objects.get_record(state.simulation, Simulation).landings if state.simulation else ()
-    hardest = sorted(tested[1:], key=lambda one: -one.stress)
-    return [(one.name, one.normal) for one in (*tested[:1], *hardest)] or [("flat", UP)]
+def _landings(simulation: Simulation | None) -> list[Landing]:
+    """The landings of a test: flat, then those after which most stays bent."""
+    tested = () if simulation is None else simulation.landings
+    return [*tested[:1], *sorted(tested[1:], key=lambda one: -one.permanent_set)]
 
 
-def impact_data(run: LaneOfRun, state: Checkpoint, name: str, impact: Impact) -> ReplayData:
-    """An impact of a checkpoint for `static/impact.js`."""
-    vertices = run.part.surface.displaced(state.displacement).vertices
+def impact_data(run: LaneOfRun, simulation: Simulation, landing: Landing, impact: Impact) -> ReplayData:
+    """The impact of a landing for `static/impact.js`."""
+    vertices = run.part.surface.displaced(simulation.displacement).vertices
     frames = moments(len(impact.time), impact.peak)
     motions = [impact.motion(vertices, frame) for frame in frames]
     spans = zip([-1, *frames[:-1]], frames, strict=True)
-    # the stress of a moment as this very landing is judged, which need not be the hardest of its kind
-    verdict, quantity = run.store.verdict(state), moment(run.store.recipe(state.recipe).test.material.yield_strength)
-    tested = run.store.objects.get_record(state.simulation, Simulation).landing(name) if state.simulation else None
-    row = None if verdict is None or tested is None else verdict.row(tested.way)
-    if row is not None and tested is not None:
-        quantity = moment(row.limit, msgspec.structs.replace(row, landing=name, stress=tested.stress))
-    stress = channel_of("moment", [quantity.made(impact.stress[before + 1 : last + 1].max(axis=0)) for before, last in spans])
+    quantity = moment(run.recipe.test.material.yield_strength)
+    stress = channel_of("moment", [impact.stress[before + 1 : last + 1].max(axis=0) for before, last in spans])
     deformation = channel_of("deformation", [motion.deformation for motion in motions])
     moved = [
         {"time": float(impact.time[frame]), "turn": np.ravel(motion.turn).tolist(), "shift": motion.shift.tolist()}
         for frame, motion in zip(frames, motions, strict=True)
     ]
     header = {
-        "name": name, "peak": frames.index(impact.peak), "frames": moved,
+        "name": landing.name, "peak": frames.index(impact.peak), "frames": moved, "stays": sentences.bend(landing.permanent_set),
         "layers": [layer_entry(quantity, stress)], "channels": [stress.spec, deformation.spec],
     }  # fmt: skip
     return ReplayData(header, gzip.compress(stress.packed() + deformation.packed(), 6, mtime=0))

@@ -27,6 +27,9 @@ OF_FREESTYLE = frozenset(OPTIONS) - frozenset(OF_FEEDBACK)
 FIRST = ("criterion", "control", "standard", "poses")
 """Settings that bring others with them, so they are compared first."""
 
+LENGTHS = ("height", "tolerance")
+"""Settings in mm that are written with their unit."""
+
 ANY_PROMPT = "brick"
 RECORDS = re.compile(r"\b(LoadCase|Load|Support)\(")
 """Records that a setting may hold, as they are written."""
@@ -70,7 +73,7 @@ def _arguments(settings: dict[str, Any]) -> list[str]:
     """Settings as Python writes them."""
     arguments = []
     for name, value in settings.items():
-        literal = RECORDS.sub(r"ms.\1(", repr(written(value) if name == "height" else value))
+        literal = RECORDS.sub(r"ms.\1(", repr(written(value) if name in LENGTHS else value))
         if isinstance(value, Material):
             literal = repr(value.name) if LIBRARY.get(value.name) == value else f"ms.{value!r}"
         elif isinstance(value, tuple) and all(isinstance(one, Region) for one in value):
@@ -109,8 +112,8 @@ def options(settings: dict[str, Any], known: Collection[str] = OPTIONS) -> list[
             arguments += ["--material", value.name]
         elif name == "prompt":
             arguments += [f"--prompt={value}"] if value.startswith("-") else ["--prompt", value]
-        elif name == "height":
-            arguments += ["--height", written(value)]
+        elif name in LENGTHS:
+            arguments += [f"--{name}", written(value)]
         elif name == "image":
             arguments += ["--image", file_name(value)]
         elif name in known and isinstance(value, bool):

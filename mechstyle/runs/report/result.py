@@ -9,7 +9,7 @@ from pathlib import Path
 import msgspec
 
 from mechstyle.errors import BadInput
-from mechstyle.records import Verdict
+from mechstyle.records import Verdict, sentences
 from mechstyle.runs.report.markup import Markup, script_json
 from mechstyle.runs.report.run_protocol import LaneOfRun
 
@@ -24,8 +24,9 @@ class Result(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
 
     Attributes:
         fall: Height of the fall asked for [mm].
-        survives: Critical drop height of the test that decides [mm]; None for a load, or where nothing was tested.
-        tests: Names of the tests that decided, in their order.
+        tolerance: The most that may stay bent [mm].
+        permanent_set: What stays bent in the worst test [mm]; None by the published rule, or where nothing was tested.
+        worst: Name of the worst test, "" where nothing was tested.
         recipe: Digest of the recipe.
     """
 
@@ -35,11 +36,12 @@ class Result(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     outcome: str
     sure: bool
     fall: float
-    survives: float | None
+    tolerance: float
+    permanent_set: float | None
+    worst: str
     kept: float
     simulations: int
     vertices: int
-    tests: tuple[str, ...]
     recipe: str
 
 
@@ -51,9 +53,10 @@ def result_element(run: LaneOfRun, verdict: Verdict) -> Markup:
     result = Result(
         part=run.record.name, prompt=run.recipe.style.prompt, material=run.recipe.test.material.label,
         outcome=verdict.outcome, sure=verdict.sure, fall=run.recipe.test.height,
-        survives=None if decides is None else decides.height, kept=summary.kept,
+        tolerance=verdict.tolerance, permanent_set=None if decides is None or decides.stress is not None else decides.permanent_set,
+        worst="" if decides is None else sentences.label(decides), kept=summary.kept,
         simulations=len(summary.simulations), vertices=len(run.part.surface.vertices),
-        tests=tuple(row.test for row in verdict.rows if row.decides), recipe=run.recipe.digest,
+        recipe=run.recipe.digest,
     )  # fmt: skip
     return Markup(f'<script type="application/json" id="result">{script_json(msgspec.to_builtins(result))}</script>\n')
 
@@ -75,9 +78,9 @@ def read_result(file: str | Path) -> Result:
         result = msgspec.json.decode(found[0], type=Result)
     except (msgspec.MsgspecError, RecursionError, UnicodeDecodeError) as error:
         raise BadInput(f"{path} holds a damaged result: write the report again with `mechstyle report`") from error
-    lengths = [len(result.part), len(result.prompt), len(result.material), len(result.recipe), *map(len, result.tests)]
-    numbers = [result.fall, result.kept, result.survives or 1.0]
-    possible = result.outcome in OUTCOMES and max(lengths) <= 500 and len(result.tests) <= 100
+    lengths = [len(result.part), len(result.prompt), len(result.material), len(result.recipe), len(result.worst)]
+    numbers = [result.fall, result.kept, result.tolerance, result.permanent_set or 0.0]
+    possible = result.outcome in OUTCOMES and max(lengths) <= 500
     possible = possible and all(math.isfinite(one) and one >= 0.0 for one in numbers) and result.kept <= 1.5
     if not (possible and result.fall > 0.0 and result.simulations >= 1 and result.vertices >= 4):
         raise BadInput(f"{path} holds a result that no run comes to: write the report again with `mechstyle report`")

@@ -12,6 +12,7 @@ from mechstyle.records import Recipe
 from mechstyle.runs.folders import PartRecord
 from mechstyle.runs.summary import Summary
 from mechstyle.simulation.part import Workpiece
+from mechstyle.simulation.simulator import DropSimulator
 
 
 class LaneOfRun(Protocol):
@@ -45,8 +46,11 @@ class LaneOfRun(Protocol):
     def summary(self) -> Summary:
         """Summary of a finished lane."""
 
+    def simulator(self, recipe: Recipe) -> DropSimulator:
+        """The drop test of the part under a recipe."""
+
     def show(self, iteration: int | None = None) -> Picture:
-        """Styled part, stress and mask at an iteration, None for the last."""
+        """Styled part, stress, what stays bent and mask at an iteration, None for the last."""
 
 
 def begun(run: LaneOfRun) -> list[Row]:

@@ -1,4 +1,4 @@
-"""The timeline as SVG: stress against its limit at each simulation, and below it how much of the surface is held back."""
+"""The timeline as SVG: what stays bent at each simulation and what may, and below it how much of the surface is held back."""
 
 from __future__ import annotations
 
@@ -12,12 +12,14 @@ from mechstyle.runs.report.markup import Markup, fill, joined, kind, mark
 
 WIDTH, HEIGHT = 960, 330
 LEFT, RIGHT = 62, 944
-STRESS_TOP, STRESS_BOTTOM = 34, 204
+BEND_TOP, BEND_BOTTOM = 34, 204
 HELD_TOP, HELD_BOTTOM = 244, 296
 NAME = (96, 14)
 """Width and height of the name of the limit, at most."""
 OVER, UNDER = -7, 16
 """Where its letters stand over and under the line."""
+HIGHEST = 5.0
+"""Most that the axis reaches over what is allowed: what lies above it is drawn at the top."""
 REACH, ROOM = 11.0, 3.0
 """How far a mark reaches with its ring, and what is to be free between the name and whatever is drawn."""
 
@@ -25,18 +27,20 @@ REACH, ROOM = 11.0, 3.0
 def timeline(tests: Sequence[Step], last: int) -> Markup:
     """The chart of a lane that stands at iteration `last`, of at least one simulation; marks carry `data-iteration` for the script."""
     span = max(last, 1)
-    top = 1.12 * max(max(_stress(step), _limit(step)) for step in tests)
+    most = max(_allowed(step) for step in tests)
+    top = 1.12 * max(most, min(max(_found(step) for step in tests), HIGHEST * most))
+    unit = "MPa" if any(_is_stress(step) for step in tests) else "mm"
     x = {step.iteration: LEFT + (RIGHT - LEFT) * step.iteration / span for step in tests}
 
-    def height(stress: float) -> float:
-        return STRESS_BOTTOM - (STRESS_BOTTOM - STRESS_TOP) * stress / top
+    def height(value: float) -> float:
+        return BEND_BOTTOM - (BEND_BOTTOM - BEND_TOP) * min(value / top, 1.0)
 
     known = [step for step in tests if step.verdict.outcome != "UNKNOWN"]
-    line = [(x[step.iteration], height(_stress(step))) for step in known]
+    line = [(x[step.iteration], height(_found(step))) for step in known]
     peaks = " ".join(f"{right:.1f},{down:.1f}" for right, down in line)
-    limit = _limit(tests[-1])
-    allowed = f"M{LEFT} {height(_limit(tests[0])):.1f}"
-    allowed += "".join(f"H{x[step.iteration]:.1f}V{height(_limit(step)):.1f}" for step in tests)
+    limit = _allowed(tests[-1])
+    allowed = f"M{LEFT} {height(_allowed(tests[0])):.1f}"
+    allowed += "".join(f"H{x[step.iteration]:.1f}V{height(_allowed(step)):.1f}" for step in tests)
     marks = []
     for step in tests:
         figures = "" if step.verdict.deciding is None else f", {sentences.figures(step.verdict.deciding)}"
@@ -46,24 +50,25 @@ def timeline(tests: Sequence[Step], last: int) -> Markup:
                 '<g class="mark {kind}" transform="translate({x} {y})" data-iteration="{iteration}"'
                 ' role="button" tabindex="0" aria-label="{words}">'
                 '<title>{words}</title><circle class="reach" r="14"/>{shape}</g>',
-                kind=kind(step.outcome), x=f"{x[step.iteration]:.1f}", y=f"{height(_stress(step)):.1f}", iteration=step.iteration,
+                kind=kind(step.outcome), x=f"{x[step.iteration]:.1f}", y=f"{height(_found(step)):.1f}", iteration=step.iteration,
                 words=words, shape=mark(step.outcome, sure=step.verdict.sure),
             )
         )  # fmt: skip
-    beside, name = _free_place(height(limit), line, [(x[step.iteration], height(_stress(step))) for step in tests])
+    beside, name = _free_place(height(limit), line, [(x[step.iteration], height(_found(step))) for step in tests])
     return fill(
         '<svg class="timeline" viewBox="0 0 {width} {height}" role="group" tabindex="0"'
         ' data-left="{left}" data-right="{right}" data-last="{last}"'
-        ' aria-label="Timeline: stress and restraint at each simulation. Arrow keys move the replay.">'
+        ' aria-label="Timeline: what stays bent and what is held back at each simulation. Arrow keys move the replay.">'
         '{axes}<path class="limit" d="{allowed}H{right}"/>'
-        '<text class="limit-name" x="{beside}" y="{name}" text-anchor="end">limit {limit} MPa</text>'
+        '<text class="limit-name" x="{beside}" y="{name}" text-anchor="end">allowed {limit} {unit}</text>'
         '{held}<polyline class="peaks" points="{peaks}"/>{marks}'
         '<g class="cursor"><line y1="{top}" y2="{bottom}"/></g></svg>',
         width=WIDTH, height=HEIGHT, left=LEFT, right=RIGHT, last=span,
         beside=beside, allowed=allowed, name=f"{name:.1f}",
-        limit=f"{limit:.1f}", peaks=peaks, axes=_axes(span, top), held=_held(tests, x, RIGHT if last else LEFT),
+        limit=f"{limit:.1f}" if unit == "MPa" else f"{limit:.2f}", unit=unit, peaks=peaks, axes=_axes(span, top, unit),
+        held=_held(tests, x, RIGHT if last else LEFT),
         marks=joined(marks),
-        top=STRESS_TOP - 8, bottom=HELD_BOTTOM,
+        top=BEND_TOP - 8, bottom=HELD_BOTTOM,
     )  # fmt: skip
 
 
@@ -86,7 +91,7 @@ def _free_place(limit: float, line: Sequence[tuple[float, float]], marks: Sequen
     for right in range(RIGHT - 10, LEFT + 10 + NAME[0], -10):
         for base in (limit + OVER, limit + UNDER):
             free = min((_distance(x, y, right, base) - reach for x, y, reach in drawn), default=math.inf)
-            if free > most and base <= STRESS_BOTTOM:
+            if free > most and base <= BEND_BOTTOM:
                 best, most = (right, base), free
             if most >= ROOM:
                 return best
@@ -98,25 +103,33 @@ def _distance(x: float, y: float, right: float, base: float) -> float:
     return max(right - NAME[0] - x, x - right, base + 3 - NAME[1] - y, y - base - 3, 0.0)
 
 
-def _stress(step: Step) -> float:
-    """Stress in the test that decides [MPa], 0 without an answer."""
-    decides = step.verdict.deciding
-    return 0.0 if decides is None else decides.stress
+def _is_stress(step: Step) -> bool:
+    """Whether a simulation was judged by the published rule, which reads a stress."""
+    return step.verdict.deciding is not None and step.verdict.deciding.stress is not None
 
 
-def _limit(step: Step) -> float:
-    """What it may at most be there [MPa], the yield strength without an answer."""
-    decides = step.verdict.deciding
-    return step.verdict.strength if decides is None else decides.limit
+def _found(step: Step) -> float:
+    """What stays bent in the worst test [mm], its stress [MPa] by the published rule, 0 without an answer."""
+    worst = step.verdict.deciding
+    return 0.0 if worst is None else worst.permanent_set if worst.stress is None else worst.stress
 
 
-def _axes(span: int, top: float) -> Markup:
+def _allowed(step: Step) -> float:
+    """What may be there, the tolerance or the yield strength without an answer."""
+    verdict, worst = step.verdict, step.verdict.deciding
+    if worst is None:
+        return verdict.strength if verdict.criterion == "paper" else verdict.tolerance or 1.0
+    return worst.allowed if worst.limit is None else worst.limit
+
+
+def _axes(span: int, top: float, unit: str) -> Markup:
     """Names, round numbers and faint lines."""
+    name = "what stays bent in the worst test [mm]" if unit == "mm" else "largest stress in an element [MPa]"
     parts = [
         fill('<text class="axis" x="{x}" y="{y}">{name}</text>', x=4, y=y, name=name)
-        for y, name in ((STRESS_TOP - 16, "stress in the test that decides [MPa]"), (HELD_TOP - 12, "vertices held back"))
+        for y, name in ((BEND_TOP - 16, name), (HELD_TOP - 12, "vertices held back"))
     ]
-    parts += [_rung(STRESS_BOTTOM - (STRESS_BOTTOM - STRESS_TOP) * value / top, f"{value:g}") for value in ticks(top, 4)]
+    parts += [_rung(BEND_BOTTOM - (BEND_BOTTOM - BEND_TOP) * value / top, f"{value:g}") for value in ticks(top, 4)]
     parts += [_rung(HELD_BOTTOM, "0 %"), _rung(HELD_TOP, "100 %")]
     template = '<text x="{x:.1f}" y="{y}" text-anchor="middle">{name:g}</text>'
     whole = (value for value in ticks(span, 10) if value == int(value))

@@ -1,11 +1,11 @@
-// The impact of the part, moment by moment: it opens at the peak and plays up to it.
+// The impact of the part, moment by moment: it opens at the peak, and plays from first touch to the shape that stays.
 
 import { Player, element } from "./player.js";
 import { plane } from "./replay_data.js";
 
 const FACTORS = [1, 5, 10, 20, 50, 100], USUAL = 20;
 const IMPACT_KEYS = "Drag to turn, shift-drag to move, click and scroll to zoom. Keys: arrows turn or scrub, + and − zoom, 0 resets, " +
-  "space plays from first touch to the peak.";
+  "space plays from first touch to the shape that stays.";
 
 // The part at a moment: its motion as a whole as it is, its deformation exaggerated.
 function struck({ positions: p, channels, frames, exaggeration }, frame, out) {
@@ -28,7 +28,6 @@ export class ImpactPlayer extends Player {
     return out;
   }
   get framesPerSecond() { return 8; }
-  get end() { return this.replay.peak; }
   get keysHelp() { return IMPACT_KEYS; }
 
   toolbar() {
@@ -37,11 +36,13 @@ export class ImpactPlayer extends Player {
     const reset = element("button", { type: "button", class: "ms-plain" }, "Reset view");
     reset.onclick = () => { this.camera.reset(); this.refresh(); };
     const peak = element("button", { type: "button", class: "ms-plain" }, "To the peak");
-    peak.onclick = () => { this.pause(); this.to(this.end); };
+    peak.onclick = () => { this.pause(); this.to(this.replay.peak); };
+    const stays = element("button", { type: "button", class: "ms-plain" }, "What stays");
+    stays.onclick = () => { this.pause(); this.to(this.end); };
     const factor = element("select", {}, ...FACTORS.map((by) => element("option", { value: String(by) }, `× ${by}`)));
     factor.value = String(USUAL);
     factor.onchange = () => this.exaggerate(Number(factor.value));
-    return element("div", { class: "ms-toolbar" }, element("label", {}, "Deformation ", factor), element("span", { class: "ms-right" }, peak, reset));
+    return element("div", { class: "ms-toolbar" }, element("label", {}, "Deformation ", factor), element("span", { class: "ms-right" }, peak, stays, reset));
   }
 
   scrubber() {
@@ -64,10 +65,13 @@ export class ImpactPlayer extends Player {
   }
 
   besides() {}
-  named(frame) { return `${(1000 * frame.time).toFixed(0)} microseconds`; }
-  counted(frame) { return `${(1000 * frame.time).toFixed(0)} µs`; }
+  get over() { return this.frame === this.end; } // at rest in the shape that stays
+  named(frame) { return this.over ? "at rest" : `${(1000 * frame.time).toFixed(0)} microseconds`; }
+  counted(frame) { return this.over ? "at rest" : `${(1000 * frame.time).toFixed(0)} µs`; }
   sentence(frame) {
-    const at = this.frame === this.end ? ", the moment of the peak" : "";
-    return `Landing ${this.replay.name}: ${(1000 * frame.time).toFixed(0)} µs after first touch${at}. Deformed × ${this.replay.exaggeration}; the floor lies level below.`;
+    const { name, stays, exaggeration, peak } = this.replay, drawn = `drawn × ${exaggeration}; the floor lies level below.`;
+    if (this.over) return `Landing ${name}: ${stays} stays bent, ${drawn} Hatched is what has yielded.`;
+    const at = this.frame === peak ? ", the moment of the peak" : "";
+    return `Landing ${name}: ${(1000 * frame.time).toFixed(0)} µs after first touch${at}. Deformation ${drawn}`;
   }
 }

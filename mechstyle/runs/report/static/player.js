@@ -225,12 +225,12 @@ export class Player {
   counted(frame) { return `${frame.iteration} / ${this.replay.frames.at(-1).iteration}`; }
 
   sentence(frame) {
-    if (frame.outcome === undefined) return `Iteration ${frame.iteration}: not simulated; stress and mask are those of iteration ${frame.simulatedAt}.`;
+    if (frame.outcome === undefined) return `Iteration ${frame.iteration}: not simulated; stress, bend and mask are those of iteration ${frame.simulatedAt}.`;
     return `Iteration ${frame.iteration}: ${frame.words}. Simulated because: ${frame.reason}.`;
   }
 
   describeScale() {
-    const { label, unit, low, high, key, judged } = this.layer, split = this.threshold !== null;
+    const { label, unit, low, high, key, bounded } = this.layer, split = this.threshold !== null;
     this.scale.classList.toggle("ms-away", key === "style");
     this.knob.classList.toggle("ms-away", !split);
     if (key === "style") return;
@@ -241,7 +241,7 @@ export class Player {
     const side = low > high ? "below" : "above";
     this.label.textContent = (unit ? `${label} [${unit}]` : label) + (split ? ` · ${this.shareBeyond()} ${side} ${withUnit(this.threshold, unit)}` : "");
     this.bar.style.background = this.gradient(place);
-    this.ticks.replaceChildren(element("span", {}, shown(low)), element("span", {}, (judged >= high ? "≥ " : "") + shown(high))); // what exceeds σ_V is shown as σ_V
+    this.ticks.replaceChildren(element("span", {}, shown(low)), element("span", {}, (bounded ? "≥ " : "") + shown(high)));
   }
 
   shareBeyond() {
