@@ -85,14 +85,14 @@ def _mismatch(material: Material) -> str:
     if young < SOFTEST and not elastomer:
         meant = _likely("youngs_modulus", young)
         return f"youngs_modulus is {young:g} MPa, softer than any solid with a Poisson's ratio of {material.poisson_ratio:g}{meant}"
-    if material.hardening > young:
-        return f"hardening is {material.hardening:g} MPa, above youngs_modulus with {young:g} MPa: past yield a solid is softer than before"
     if material.elongation > STIFF_ELONGATION and young > STIFF:
         likely = _four_digits(0.01 * material.elongation)
         return f"elongation is {material.elongation:g}, which is {material.elongation:.0%}; it looks like per cent: write {likely}"
     low, high = YIELD_STRAIN[elastomer]
     if low <= strength / young <= high:
-        return ""
+        if material.hardening <= young:
+            return ""
+        return f"hardening is {material.hardening:g} MPa, above youngs_modulus with {young:g} MPa: past yield a solid is softer than before"
     share = f"yield_strength is {strength:g} MPa and youngs_modulus {young:g} MPa, so it would yield at a strain of {strength / young:.2g}"
     usual_low, usual_high = USUAL_STRAIN[elastomer]
     stiffest = USUAL["youngs_modulus"][1] if not elastomer else 2e3

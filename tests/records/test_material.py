@@ -27,8 +27,11 @@ def test_library_materials_are_plastics_with_a_source(material):
     assert (10 if elastomer else 1000) <= material.youngs_modulus <= (100 if elastomer else 4000)
     strain = material.yield_strength / material.youngs_modulus
     assert (0.1 if elastomer else 0.01) <= strain <= (0.6 if elastomer else 0.04)  # plastics yield at one to four per cent
-    assert len(material.source) > 20
-    assert "user" not in material.source
+    assert 0.0 < material.hardening < 0.2 * material.youngs_modulus
+    assert (1.0 if elastomer else 0.02) <= material.elongation <= (6.0 if elastomer else 0.2)
+    for source in (material.source, material.yielding_source):
+        assert len(source) > 20
+        assert "user" not in source
 
 
 def test_the_library_has_what_people_print_with_and_pla_is_the_paper_s():
@@ -94,6 +97,11 @@ def test_an_unknown_name_is_answered_with_the_nearest(typed, meant):
         ("density", 1.24),  # grammes per cubic centimetre
         ("yield_strength", -1.0),
         ("yield_strength", float("inf")),
+        ("hardening", -1.0),
+        ("hardening", float("nan")),
+        ("elongation", -0.05),
+        ("elongation", 0.0),
+        ("elongation", float("inf")),
         ("safety_coefficient", 0.0),
     ],
 )
@@ -120,6 +128,9 @@ def test_what_no_solid_has_is_refused_with_field_and_range(field, value):
         ({"yield_strength": 0.0456}, "GPa", "45.6"),
         ({"yield_strength": 6613.7}, "psi", "45.6"),
         ({"youngs_modulus": 26.0, "poisson_ratio": 0.48, "yield_strength": 8600.0}, "kPa", "8.6"),
+        ({"hardening": 35e6}, "Pa", "35"),
+        ({"elongation": 6.0}, "per cent", "0.06"),
+        ({"elongation": 18.0}, "per cent", "0.18"),
         ({"poisson_ratio": 36.0}, "per cent", "0.36"),
         ({"layer_ratio": 55.0}, "per cent", "0.55"),
         ({"safety_coefficient": 20.0}, "per cent", "0.2"),
@@ -138,6 +149,7 @@ def test_a_figure_in_another_unit_is_refused_with_the_likely_meaning(changes, un
         ({"youngs_modulus": 300.0}, "yield at a strain of 0.15, which must lie in 0.0001 to 0.1: one of them is in another unit"),
         ({"yield_strength": 0.2}, "yield at a strain of 5.7e-05"),
         ({"layer_ratio": 0.0}, "layer_ratio is 0, but must lie in 0.05 to 1$"),
+        ({"hardening": 3501.0}, "hardening is 3501 MPa, above youngs_modulus with 3500 MPa"),
     ],
 )
 def test_what_no_unit_explains_is_refused_all_the_same(changes, words):
@@ -147,7 +159,7 @@ def test_what_no_unit_explains_is_refused_all_the_same(changes, words):
 
 @pytest.mark.parametrize("young", [3.0, 10.0, 1e3])
 def test_soft_elastomers_are_no_mistake(young):
-    soft = msgspec.structs.replace(LIBRARY["TPU"], youngs_modulus=young, yield_strength=0.5 * young)
+    soft = msgspec.structs.replace(LIBRARY["TPU"], youngs_modulus=young, yield_strength=0.5 * young, hardening=0.0)
     assert soft.youngs_modulus == young
 
 
@@ -162,12 +174,16 @@ def test_the_library_is_generic_and_a_brand_of_the_same_name_is_not(tmp_path):
     assert earlier.label == "generic PLA", "the same figures, told otherwise"
 
 
-def test_how_a_material_fails_is_said_only_where_a_source_says_it():
-    assert {name for name, material in LIBRARY.items() if material.ductile} == {"PETG", "PA12", "TPU"}
+def test_what_is_known_of_layers_and_of_the_spread_is_of_every_material():
     assert {name for name, material in LIBRARY.items() if material.layer_ratio is None} == {"ABS"}
     assert all(bool(material.layer_source) == (material.layer_ratio is not None) for material in LIBRARY.values())
-    assert (STEEL.ductile, STEEL.layer_ratio) == (False, None)
     assert set(SPREAD) == set(LIBRARY)
+
+
+def test_what_is_not_known_of_yielding_is_on_the_safe_side():
+    """No hardening, and the elongation of the most brittle of the library."""
+    assert (STEEL.hardening, STEEL.elongation) == (0.0, min(material.elongation for material in LIBRARY.values()))
+    assert "assumed" in STEEL.yielding_source
 
 
 @pytest.mark.parametrize(

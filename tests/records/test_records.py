@@ -17,31 +17,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mechstyle.errors import BadInput
-from mechstyle.records import (
-    CONTROLS,
-    Checkpoint,
-    Doubt,
-    Landing,
-    LoadResult,
-    Recipe,
-    Row,
-    Simulation,
-    Verdict,
-)
+from mechstyle.records import CONTROLS, Checkpoint, Recipe, Simulation
 from mechstyle.records.checkpoint import restrained
 from mechstyle.records.load_cases import Load, LoadCase, Support, read_loads
 from mechstyle.records.material import LIBRARY
 from mechstyle.records.recipe import CHAPTER_OF, CHOICES, LIMITS, SETTINGS, settings_of
 from mechstyle.records.regions import Inside, regions
-from mechstyle.records.verdict import REPEATABILITY
+from support.records import landing, load_result, recipe
 
 PLA = LIBRARY["PLA"]
 PRESS = LoadCase(name="press", supports=(Support(at="resting face"),), loads=(Load(gravity=2.0),))
 NAMES = CHOICES | {"transfer": ("barycentric", "nearest")}
-
-
-def recipe(**changes):
-    return Recipe.of(**{"surface": "5" * 64, "tetrahedra": "7" * 64, "prompt": "brick", "material": PLA, **changes})
 
 
 def numbers(field):
@@ -214,123 +200,20 @@ def test_only_the_control_none_is_without_feedback():
     assert [control for control in CONTROLS if not recipe(control=control).restraint.feedback] == ["none"]
 
 
-# --- row and verdict ----------------------------------------------------------------------------------------------
-
-
-def row(test="flat", outcome="HOLDS", **changes):
-    known = {
-        "test": test,
-        "outcome": outcome,
-        "stress": 40.0,
-        "limit": 45.6,
-        "height": 1950.0,
-        "asked": 1500.0,
-        "original": 2400.0,
-        "decides": True,
-    }
-    return Row(**{**known, **changes})
-
-
-def load(factor, original, name="hand"):
-    return row("load", load=name, stress=45.6 / factor, height=None, factor=factor, asked=1.0, original=original)
-
-
-def verdict(outcome="HOLDS", **changes):
-    given_rows = {
-        "rows": (row(), load(1.4, 2.0), row("published rule", "FAILS", stress=90.0, height=None, factor=0.5, asked=1.0, decides=False))
-    }
-    known = {"outcome": outcome, "criterion": "robust", "fall": 1500.0, "strength": 45.6, "material": "PLA"}
-    return Verdict(**{**known, **given_rows, **changes})
-
-
-@pytest.mark.parametrize(("stress", "limit", "reserve"), [(40.0, 45.6, (45.6 / 40.0) ** 2), (60.0, 48.0, 0.64), (45.6, 45.6, 1.0)])
-def test_the_reserve_of_a_landing_is_a_ratio_of_heights_at_the_fall_asked_for(stress, limit, reserve):
-    """Whatever its critical height is, which follows another exponent where contact grows with the blow."""
-    for height in (30.0, 1950.0):
-        assert row(stress=stress, limit=limit, height=height).reserve == pytest.approx(reserve)
-
-
-def test_the_reserve_of_a_load_is_a_ratio_of_stresses():
-    assert load(1.4, 2.0).reserve == pytest.approx(1.4)
-    assert msgspec.structs.replace(load(0.9, 0.95), limit=45.6 / 0.855).reserve == pytest.approx(0.9 / 0.855)
-
-
-def test_a_load_survives_its_factor_and_a_landing_its_height():
-    assert (row().survived, load(1.4, 2.0).survived) == (1950.0, 1.4)
-
-
-@given(stress=st.floats(1.0, 1e4), limit=st.floats(1.0, 1e4))
-def test_a_row_has_reserve_exactly_when_its_stress_is_within_its_limit(stress, limit):
-    for one in (row(stress=stress, limit=limit), msgspec.structs.replace(load(1.0, None), stress=stress, limit=limit)):
-        assert (one.reserve >= 1.0) == (stress <= limit)
-
-
-@pytest.mark.parametrize("side", [1.0, -1.0])
-def test_a_row_is_sure_beyond_what_a_test_repeats_whichever_way_it_goes(side):
-    """As far as σ_V repeats, whether the row is about a factor or a height, which goes with its square."""
-    just, clear = (1.0 + REPEATABILITY["load"] * share for share in (0.9, 1.1))
-    assert [load(factor**side, None).sure for factor in (just, clear)] == [False, True]
-    just, clear = (1.0 + REPEATABILITY["flat"] * share for share in (0.9, 1.1))
-    assert [row(stress=45.6 * ratio**side).sure for ratio in (just, clear)] == [False, True]
-
-
-@pytest.mark.parametrize(("outcome", "passes"), [("HOLDS", True), ("NO WORSE", True), ("FAILS", False), ("UNKNOWN", False)])
-def test_what_holds_or_is_no_worse_passes(outcome, passes):
-    assert verdict(outcome).passes is passes
-
-
-def test_the_row_with_the_least_reserve_decides_and_what_is_only_shown_does_not():
-    one = verdict()
-    assert one.deciding == one.row("flat")
-    assert verdict(rows=(row(), load(1.1, 2.0))).deciding.load == "hand"
-    assert one.published.outcome == "FAILS"
-    assert one.safety_factor == pytest.approx(45.6 / 40.0)
-
-
-def test_where_nothing_could_be_tested_there_is_no_factor_and_nothing_is_sure():
-    unknown = verdict("UNKNOWN", rows=(), failure="the drop blew up")
-    assert (unknown.deciding, unknown.published, unknown.safety_factor, unknown.sure) == (None, None, None, False)
-
-
-def test_a_doubt_makes_a_verdict_unsure():
-    assert verdict().sure
-    assert not verdict(doubts=(Doubt(about="relief", value=0.8),)).sure
-
-
-def test_rows_are_found_by_their_test_and_load():
-    both = verdict(rows=(row(), load(1.4, 2.0), load(1.2, 2.0, "bag")))
-    assert (both.row("load", "bag").factor, both.row("load", "none"), both.row("nearly flat")) == (1.2, None, None)
-
-
-def test_verdict_comes_back_from_json_as_it_was():
-    doubted = verdict(doubts=(Doubt(about="limit", value=1.01, test="flat", landing="flat"),))
-    assert msgspec.json.decode(msgspec.json.encode(doubted), type=Verdict) == doubted
-
-
-def test_an_outcome_that_does_not_exist_is_refused_on_reading():
-    text = msgspec.json.encode(verdict()).replace(b'"outcome":"HOLDS"', b'"outcome":"FINE"', 1)
-    with pytest.raises(msgspec.ValidationError, match="FINE"):
-        msgspec.json.decode(text, type=Verdict)
-
-
 # --- fields over the surface --------------------------------------------------------------------------------------
 
 
-def landing(name="flat", way="flat", stress=40.0, height=1950.0):
-    return Landing(
-        name=name, way=way, normal=(0.0, 0.0, 1.0), stress=stress, maximum=2.0 * stress, where=(0.0, 0.0, 1.0), fall=1500.0,
-        critical_height=height,
-    )  # fmt: skip
-
-
-HAND = LoadResult(name="hand", stress=30.0, maximum=50.0, where=(0.0, 0.0, 1.0), deflection=0.1)
+LEFT = "tilted onto the left side"
 
 
 def simulation(count=5, **changes):
+    bent = np.zeros((2, count, 3))
+    bent[1, :, 2] = -0.5
     given_fields = {
-        "displacement": np.zeros(count), "contact": np.zeros(count),
-        "landings": (landing(), landing("tilted onto the left side", "nearly flat", 60.0, 700.0)), "loads": (HAND,),
-        "landing_stress": [np.full(count, 2.0), np.full(count, 9.0)], "load_stress": [np.arange(count)],
+        "displacement": np.zeros(count), "contact": np.zeros(count), "loads": (load_result("hand", maximum=50.0),),
+        "landings": (landing(maximum=80.0), landing(LEFT, way="nearly flat", maximum=120.0)), "landing_set": bent,
+        "landing_stress": [np.full(count, 2.0), np.full(count, 9.0)],
+        "load_stress": [np.arange(count)], "load_strain": [np.full(count, 0.1)],
     }  # fmt: skip
     return Simulation(**{**given_fields, **changes})
 
@@ -338,10 +221,18 @@ def simulation(count=5, **changes):
 def test_a_simulation_gives_each_landing_and_load_by_name_and_way():
     one = simulation()
     assert one.flat.name == "flat"
-    assert [found.name for found in one.of("nearly flat")] == ["tilted onto the left side"]
-    assert (one.landing("flat").stress, one.load("hand").stress) == (40.0, 30.0)
-    assert one.stress_of(landing="tilted onto the left side").tolist() == [9.0] * 5
+    assert [found.name for found in one.of("nearly flat")] == [LEFT]
+    assert (one.landing(LEFT).maximum, one.load("hand").maximum, one.landing("hand"), one.load(LEFT)) == (120.0, 50.0, None, None)
+
+
+def test_it_gives_the_fields_of_each_test_and_nothing_of_what_was_not_tested():
+    one = simulation()
+    assert one.stress_of(landing=LEFT).tolist() == [9.0] * 5
     assert one.stress_of(load="hand").tolist() == [0.0, 1.0, 2.0, 3.0, 4.0]
+    assert one.strain_of(load="hand").tolist() == [np.float32(0.1)] * 5
+    assert one.set_of(landing=LEFT)[:, 2].tolist() == [-0.5] * 5
+    assert not one.set_of(load="hand").any()
+    assert (one.set_of(landing="none").shape, one.strain_of(load="none").shape) == ((5, 3), (5,))
 
 
 def test_the_stress_of_a_simulation_is_that_of_the_flat_landing_and_the_loads():
@@ -351,7 +242,8 @@ def test_the_stress_of_a_simulation_is_that_of_the_flat_landing_and_the_loads():
 
 def test_a_test_that_failed_has_no_landing():
     failed = Simulation(displacement=np.zeros(5), contact=np.zeros(5), failure="the drop blew up")
-    assert (failed.flat, failed.of("flat")) == (None, [])
+    assert (failed.flat, failed.of("flat"), failed.maximum) == (None, [], 0.0)
+    assert failed.stress.tolist() == [0.0] * 5
 
 
 def checkpoint(count=5, **changes):
@@ -363,7 +255,7 @@ def checkpoint(count=5, **changes):
 @pytest.mark.parametrize("record", [simulation(), checkpoint()], ids=["simulation", "checkpoint"])
 def test_fields_are_frozen_copies_of_four_bytes_at_most(record):
     found = [getattr(record, field.name) for field in dataclasses.fields(record) if isinstance(getattr(record, field.name), np.ndarray)]
-    assert len(found) == (4 if isinstance(record, Simulation) else 7)
+    assert len(found) == (8 if isinstance(record, Simulation) else 7)
     for array in found:
         assert array.dtype in (np.float32, np.float16, np.bool_)
         with pytest.raises(ValueError, match="read-only"):
@@ -391,6 +283,8 @@ def test_a_checkpoint_colour_has_three_columns():
 def test_a_simulation_field_of_another_length_is_refused_by_name():
     with pytest.raises(ValueError, match=r"contact must have shape \(5,?\), not \(6,\)"):
         simulation(contact=np.zeros(6))
+    with pytest.raises(ValueError, match="shape"):
+        simulation(landing_strain=np.zeros((2, 6)))
 
 
 def test_a_vertex_is_restrained_below_one_half_and_not_at_it():

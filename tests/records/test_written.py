@@ -1,4 +1,4 @@
-"""Heights of fall: what is read, what is asked about, and what is refused."""
+"""Heights of fall and tolerances: what is read, what is asked about, and what is refused."""
 
 import math
 
@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mechstyle.errors import BadInput
-from mechstyle.records.written import LEAST_BARE, length_of, written
+from mechstyle.records.written import LEAST_BARE, length_of, tolerance_of, written
 
 
 @pytest.mark.parametrize(
@@ -96,3 +96,43 @@ def test_a_height_is_written_in_the_unit_of_people(length, text):
 @given(st.floats(1e-3, 1e6))
 def test_what_is_written_is_read_to_the_last_digit(length):
     assert length_of(written(length)) == length
+
+
+@pytest.mark.parametrize(
+    ("text", "tolerance"),
+    [
+        ("0.2 mm", 0.2),
+        ("200 µm", 0.2),
+        ("200 μm", 0.2),
+        ("200um", 0.2),
+        ("0,3 mm", 0.3),
+        ("0.05 CM", 0.5),
+        (".2", 0.2),
+        (0.2, 0.2),
+        (1, 1.0),
+    ],
+)
+def test_a_tolerance_is_read_in_small_units_and_a_bare_number_is_in_millimetres(text, tolerance):
+    assert tolerance_of(text) == pytest.approx(tolerance, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("value", "said"),
+    [
+        ("2 m", "a tolerance is in mm or µm, not in 'm'"),
+        ("0.2 in", "a tolerance is in mm or µm, not in 'in'"),
+        ("5 %", "a tolerance is in mm or µm, not in '%'"),
+        ("-1", "a tolerance of -1 is none"),
+        ("0 mm", "a tolerance of 0 mm is none"),
+        (math.nan, "a tolerance of nan is none"),
+        (math.inf, "a tolerance of inf is none"),
+        ("", "cannot read '' as a tolerance"),
+        ("tight", "cannot read 'tight' as a tolerance"),
+        (True, "cannot read True as a tolerance"),
+        (None, "cannot read None as a tolerance"),
+    ],
+)
+def test_what_is_no_tolerance_is_refused_in_one_sentence(value, said):
+    with pytest.raises(BadInput) as caught:
+        tolerance_of(value)
+    assert str(caught.value) == f'{said}: write "0.2 mm" or "200 µm"'
