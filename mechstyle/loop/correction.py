@@ -31,10 +31,10 @@ EDGES = 2.0
 """… but never less than so many edges: on coarser triangles nothing but the overloaded vertex itself would be within reach."""
 LOCAL_ROUNDS = 5
 """Lowerings here and there that are tried."""
-HALVINGS = 4
-"""Factors on the whole relief that are tried, by bisection, before it is removed."""
+NEAREST = 1.0 / 16.0
+"""How near to the largest factor on the whole relief that passes the bisection comes."""
 REFINEMENTS = 2
-"""Tries between the most that passes and the least that does not."""
+"""Halves of what a lowering here and there took that are given back."""
 MIN_GAIN = 0.02
 """Share of the style's relief that a try must promise to be worth a test."""
 
@@ -109,8 +109,7 @@ class Correction:
                 return None
             taken = lowered_share(found.overload, self._near)
             taken[self.standing & (overload(found.overload, self._near) > 0.0)] = 1.0  # a gap under it carries no load, however low it is
-            if fill:
-                taken = np.where(relief < 0.0, taken, 0.0)
+            taken = np.where((relief < 0.0) == fill, taken, 0.0)
             lowered = (relief * (1.0 - taken)).astype(np.float32)
             if self.kept(relief) - self.kept(lowered) < LEAST_TAKEN:
                 fill, undone = not fill, undone + 1
@@ -129,9 +128,7 @@ class Correction:
         """One factor on all of the relief, as large as passes; None if none passes that keeps more than what is known to."""
         low, high = 0.0 if passed is None else self.kept(passed) / max(self.kept(relief), 1e-9), 1.0
         best: Field | None = None
-        for _ in range(HALVINGS if passed is None else REFINEMENTS):
-            if high - low < MIN_GAIN:
-                break
+        while high - low > NEAREST:
             factor = 0.5 * (low + high)
             lowered = relief * np.float32(factor) + np.float32(0.0)
             result = yield lowered, f"{factor:.0%} of the whole relief"
