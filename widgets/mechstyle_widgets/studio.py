@@ -453,8 +453,8 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
             fall = taken / math.ceil(landings_on_the_way(self.state.settings) / (os.cpu_count() or 1))
         found = estimated(
             vertices, len(plan.places), height=recipe.test.height, iterations=recipe.schedule.iterations,
-            orientations=recipe.test.orientations, nearly_flat=recipe.test.nearly_flat, hardest_only=recipe.test.hardest_only,
-            rough=recipe.test.rough, element=recipe.test.element, window=recipe.test.window, fall=fall,
+            orientations=recipe.test.orientations, nearly_flat=recipe.test.nearly_flat, element=recipe.test.element,
+            window=recipe.test.window, fall=fall,
         )  # fmt: skip
         self.state.outlook, self.state.expected = found.words, found.seconds
 

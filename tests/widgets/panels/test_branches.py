@@ -5,7 +5,7 @@ import pytest
 from mechstyle.errors import MissingPiece
 from mechstyle.records.load_cases import Load, LoadCase, Support
 from mechstyle.records.regions import Inside
-from mechstyle.records.sentences import survived
+from mechstyle.records.sentences import found
 from mechstyle_widgets.panels.branches import Branches, said, said_of
 from mechstyle_widgets.state.controller import Controller, Wanted
 from mechstyle_widgets.state.studio_state import StudioState
@@ -42,11 +42,12 @@ def test_two_iterations_are_compared_in_settings_and_results(branches):
     assert table["simulated because"] == ("every 4 iterations", "every 3 iterations")
     tested = (branches.state.row(4, "main").verdict, branches.state.row(9, "soft").verdict)
     assert table["outcome"] == tuple(said_of(verdict) for verdict in tested)
-    assert table["flat"] == tuple(survived(verdict)["flat"] for verdict in tested)
+    assert table["flat"] == tuple(found(verdict.row(landing="flat")) for verdict in tested)
+    assert table["allowed"] == ("0.20 mm", "0.20 mm")
     assert "MechStyle · 4" in branches._comparison.value
 
 
-def test_what_was_not_tested_has_a_dash_for_what_it_survives(branches):
+def test_what_was_not_tested_has_a_dash_for_what_stays_bent(branches):
     branches.state.iteration = 5
     branches._pin.click()
     branches.state.iteration = 4

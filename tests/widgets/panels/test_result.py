@@ -67,9 +67,9 @@ def test_the_table_is_that_of_the_lane_on_show(done):
     assert sentences.table(verdict)[0][2] in result.value
 
 
-def test_a_plain_part_has_one_column_of_what_it_survives(done):
+def test_a_plain_part_has_one_column_of_what_stays_bent(done):
     plain = done.history[0].verdict
-    assert '<th scope="col">survives</th>' in of_verdict(plain)
+    assert '<th scope="col">stays bent</th>' in of_verdict(plain)
     assert '<th scope="col">plain</th>' not in of_verdict(plain)
 
 

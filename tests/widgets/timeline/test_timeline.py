@@ -5,14 +5,15 @@ from __future__ import annotations
 import msgspec
 import pytest
 
-from mechstyle.records import Doubt
+from mechstyle.records import Doubt, sentences
 from mechstyle_widgets.state.outcomes import LOOKS
 from mechstyle_widgets.state.studio_state import StudioState
 from mechstyle_widgets.timeline.figure import contents, story
 from mechstyle_widgets.timeline.timeline import Timeline
 from support.models import alive
+from support.records import published_row, verdict
 
-LANES, STEPS, HOLDS, NO_WORSE, FAILS, UNKNOWN, OTHER_STRESSES, LIMIT, STRESSES, OTHER_CURVES, CURVE, PLANNED = range(12)
+LANES, STEPS, HOLDS, NO_WORSE, FAILS, UNKNOWN, OTHERS, ALLOWED, WORST, OTHER_CURVES, CURVE, PLANNED = range(12)
 
 
 @pytest.fixture
@@ -63,10 +64,20 @@ def test_the_axis_of_lanes_is_one_of_names_before_a_run_as_well():
     assert set(trace(timeline, LANES)["y"]) == {"MechStyle"}, "plotly would take it for an axis of numbers, on which no mark is seen"
 
 
-def test_the_stress_stands_beside_its_limit(timeline, state):
-    simulated = [row for row in state.history if row.stress is not None]
-    assert trace(timeline, STRESSES)["y"] == [row.stress for row in simulated]
-    assert trace(timeline, LIMIT)["y"][: len(simulated)] == [row.limit for row in simulated]
+def test_what_stays_bent_stands_beside_what_is_allowed(timeline, state):
+    decide = [row.verdict.deciding for row in state.history if row.verdict is not None]
+    assert trace(timeline, WORST)["y"] == [row.permanent_set for row in decide]
+    assert trace(timeline, ALLOWED)["y"][: len(decide)] == [row.allowed for row in decide]
+    assert frame(timeline)["yaxis2"]["title"]["text"] == "[mm]"
+    assert sentence(timeline) == f"allowed {sentences.allowed(decide[-1])}"
+
+
+def test_by_the_published_rule_it_is_the_stress(state):
+    row = msgspec.structs.replace(state.row(4), verdict=verdict(published_row(30.0), criterion="paper"))
+    traces, layout = contents({"main": [row]}, [], "main", "", "light")
+    assert (traces[WORST]["y"], traces[ALLOWED]["y"]) == ([30.0], [45.6, None])
+    assert layout["yaxis2"]["title"]["text"] == "[MPa]"
+    assert layout["annotations"][0]["text"] == "allowed 45.6 MPa"
 
 
 def test_what_is_not_sure_has_a_line_around_its_mark(state):
@@ -74,12 +85,12 @@ def test_what_is_not_sure_has_a_line_around_its_mark(state):
     doubt = Doubt(about="relief", value=0.4)
     sure, unsure = (msgspec.structs.replace(row, verdict=msgspec.structs.replace(row.verdict, doubts=doubts)) for doubts in ((), (doubt,)))
     traces, _ = contents({"main": [sure, unsure]}, [], "main", "style_loss", "light")
-    assert traces[STRESSES]["marker"]["line"]["width"] == [0, 2]
+    assert traces[WORST]["marker"]["line"]["width"] == [0, 2]
     assert traces[HOLDS + list(LOOKS).index(row.outcome)]["marker"]["line"]["width"] == [0, 2]
 
 
 def test_the_curve_can_be_chosen(timeline, state):
-    assert trace(timeline, CURVE)["y"] == [], "the stress is enough until more is asked for"
+    assert trace(timeline, CURVE)["y"] == [], "what stays bent is enough until more is asked for"
     assert not frame(timeline)["yaxis3"]["visible"]
     low = frame(timeline)["height"]
     timeline.curve = "style_loss"
@@ -94,12 +105,12 @@ def test_the_curve_can_be_chosen(timeline, state):
 
 def test_the_line_stands_at_the_iteration(timeline, state):
     state.iteration = 5
-    assert timeline.iteration == timeline.scrubber.value == 5
+    assert timeline.iteration == timeline.slider.value == 5
     assert timeline._curves.head == 5
 
 
 def test_the_slider_and_the_trait_move_the_state(timeline, state):
-    timeline.scrubber.value = 3
+    timeline.slider.value = 3
     assert (timeline.iteration, state.iteration) == (3, 3)
     timeline.iteration = 99
     assert (timeline.iteration, state.iteration) == (12, 12)
@@ -113,8 +124,8 @@ def test_a_run_is_followed_however_late_the_curves_are_drawn(fake):
     fake.go()
     state.tell(stale=True)
     state.pump()
-    assert (state.iteration, timeline.iteration, timeline.scrubber.value, state.follow) == (12, 12, 12, True)
-    timeline.scrubber.value = 5
+    assert (state.iteration, timeline.iteration, timeline.slider.value, state.follow) == (12, 12, 12, True)
+    timeline.slider.value = 5
     assert (state.iteration, state.follow) == (5, False)
 
 
@@ -122,7 +133,7 @@ def test_the_browser_is_told_the_end_of_the_slider_before_a_value_beyond_it(fake
     """Told both at once, its slider may set the value first, cut it off and send it back as if the user had chosen it."""
     state = StudioState(fake.run)
     timeline, told = Timeline(state), []
-    monkeypatch.setattr(timeline.scrubber, "send_state", lambda key=None: told.append(key))
+    monkeypatch.setattr(timeline.slider, "send_state", lambda key=None: told.append(key))
     fake.go()
     state.tell(stale=True)
     state.pump()
@@ -134,14 +145,7 @@ def test_a_click_shows_lane_and_iteration(timeline, state):
     place = next(number for number, lane in enumerate(trace(timeline, STEPS)["y"]) if lane == "soft") + 1
     timeline._curves._handle_custom_msg({"kind": "click", "trace": STEPS, "point": place}, [])
     assert (state.lane, timeline.lane, state.iteration) == ("soft", "soft", 8)
-    assert trace(timeline, LIMIT)["x"][-2] == 12
-
-
-def test_keys_go_from_lane_to_lane_and_stop_at_the_last(timeline, state):
-    lanes = [branch.lane for branch in state.branches]
-    for by, expected in ((1, lanes[1]), (1, lanes[-1]), (-1, lanes[0]), (-1, lanes[0])):
-        timeline.scrubber._handle_custom_msg({"kind": "lane", "by": by}, [])
-        assert state.lane == timeline.lane == expected
+    assert trace(timeline, ALLOWED)["x"][-2] == 12
 
 
 def test_it_grows_with_the_run(fake):
@@ -201,13 +205,13 @@ def test_the_plan_gives_way_to_what_was_simulated(fake):
     assert trace(timeline, PLANNED)["x"] == []
     assert trace(timeline, STEPS)["x"] == list(range(13))
     assert frame(timeline)["yaxis2"]["showticklabels"]
-    assert "limit" in sentence(timeline)
+    assert "allowed" in sentence(timeline)
 
 
-def test_the_limit_is_named_over_the_end_of_its_line(timeline):
-    """At its beginning, where another limit may hold, the words were crossed out by the line."""
-    note, line = frame(timeline)["annotations"][0], trace(timeline, LIMIT)
-    assert note["y"] == [limit for limit in line["y"] if limit is not None][-1]
+def test_what_is_allowed_is_named_over_the_end_of_its_line(timeline):
+    """At its beginning, where something else may be allowed, the words were crossed out by the line."""
+    note, line = frame(timeline)["annotations"][0], trace(timeline, ALLOWED)
+    assert note["y"] == [one for one in line["y"] if one is not None][-1]
     assert (note["x"], note["xanchor"], note["yanchor"]) == (12, "right", "bottom")
 
 
@@ -254,5 +258,5 @@ def test_the_scripts_of_plotly_come_when_a_page_asks_and_are_no_part_of_the_stat
 def test_the_slider_does_not_leave_a_lane_of_one_iteration(fake):
     next(fake.session()._events(lambda _fraction: None))
     timeline = Timeline(StudioState(fake.run))
-    timeline.scrubber.set_state({"value": 1})  # a slider needs some way to go
-    assert (timeline.scrubber.value, timeline.iteration) == (0, 0)
+    timeline.slider.set_state({"value": 1})  # a slider needs some way to go
+    assert (timeline.slider.value, timeline.iteration) == (0, 0)

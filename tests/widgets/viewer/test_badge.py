@@ -6,63 +6,46 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from mechstyle.records import Doubt, Row, Verdict, sentences
+from mechstyle.records import Doubt, sentences
 from mechstyle_widgets.state.outcomes import DOUBT, LOOKS, UNTESTED
 from mechstyle_widgets.state.studio_state import StudioState
 from mechstyle_widgets.viewer import badge
 from mechstyle_widgets.viewer.run_viewer import RunViewer
-
-STRENGTH = 45.6
-
-
-def flat(height, original=2400.0, outcome="HOLDS"):
-    found = {"stress": STRENGTH * (1500.0 / height) ** 0.5, "limit": STRENGTH * max(1.0, 1500.0 / (0.9 * original)) ** 0.5}
-    return Row(test="flat", landing="flat", outcome=outcome, height=height, asked=1500.0, original=original, decides=True, **found)
-
-
-def load(factor, outcome="HOLDS"):
-    found = {"stress": STRENGTH / factor, "limit": STRENGTH}
-    return Row(test="load", load="a coat", outcome=outcome, factor=factor, asked=1.0, original=2.0, decides=True, **found)
-
-
-def verdict(outcome, *rows, **more):
-    given = {"criterion": "robust", "fall": 1500.0, "strength": STRENGTH, "material": "PLA", "style": "brick", **more}
-    return Verdict(outcome=outcome, rows=rows, **given)
-
+from support.records import UNKNOWN, load_row, published_row, row, verdict
 
 def test_it_says_the_outcome_with_its_fall_and_what_the_test_that_decides_found():
-    said = badge.judged(verdict("HOLDS", flat(1900.0)), kept="80% of the relief kept")
+    said = badge.judged(verdict(row(0.12)), kept="80% of the relief kept")
     assert "HOLDS a fall of 1.5 m" in said
-    assert "flat: plain 2.4 m, brick 1.9 m · 80% of the relief kept" in said
+    assert "flat: plain 0 mm, brick 0.12 mm · 80% of the relief kept" in said
     assert LOOKS["HOLDS"].fill in said
     assert DOUBT not in said
     assert sentences.NOT_SURE not in said
 
 
-def test_the_figures_are_those_of_the_test_with_the_least_reserve():
-    said = badge.judged(verdict("FAILS", flat(1900.0), load(0.4, "FAILS")))
+def test_the_figures_are_those_of_the_test_that_decides():
+    said = badge.judged(verdict(row(0.12), load_row(0.61)))
     assert "FAILS the load" in said
-    assert "load a coat: plain 2.00 ×, brick 0.40 ×" in said
+    assert "load coat: plain 0 mm, brick 0.61 mm" in said
     assert LOOKS["FAILS"].fill in said
 
 
 def test_no_worse_has_a_mark_and_a_shade_of_its_own():
-    said = badge.judged(verdict("NO WORSE", flat(1400.0, 1450.0, "NO WORSE")))
+    said = badge.judged(verdict(row(0.33, plain_permanent_set=0.3, allowed=0.35, outcome="NO WORSE")))
     assert "NO WORSE than the plain part" in said
     assert LOOKS["NO WORSE"].fill in said
     assert LOOKS["NO WORSE"].mark in said
 
 
 def test_what_is_not_sure_has_an_amber_line_around_its_own_colour():
-    doubt = Doubt(about="limit", value=1.01, test="flat", landing="flat")
-    said = badge.judged(verdict("HOLDS", flat(1515.0), doubts=(doubt,)))
+    doubt = Doubt(about="limit", value=0.99, test="flat", landing="flat")
+    said = badge.judged(verdict(row(0.19), doubts=(doubt,)))
     assert f"outline:3px solid {DOUBT}" in said
     assert "not sure" in said
     assert LOOKS["HOLDS"].fill in said
 
 
 def test_no_answer_is_amber_and_has_no_figure():
-    said = badge.judged(verdict("UNKNOWN", failure="the integration blew up"))
+    said = badge.judged(UNKNOWN)
     assert "UNKNOWN" in said
     assert "the integration blew up" in said
     assert LOOKS["UNKNOWN"].fill in said
@@ -70,12 +53,12 @@ def test_no_answer_is_amber_and_has_no_figure():
 
 
 def test_where_the_mouse_rests_it_says_how_the_part_is_judged_and_every_figure():
-    found = verdict("NO WORSE", flat(1900.0), load(0.95, "NO WORSE"))
+    found = verdict(row(0.12), load_row(0.33, plain_permanent_set=0.3, allowed=0.35, outcome="NO WORSE"))
     title = badge.judged(found).split('title="')[1].split('">')[0]
     for sentence in sentences.EXPLANATION:
         assert escape(sentence) in title
-    for row in sentences.table(found):
-        for cell in row:
+    for line in sentences.table(found):
+        for cell in line:
             assert escape(cell) in title
 
 
@@ -123,10 +106,19 @@ def test_the_worst_place_is_flown_to_and_asked_about(done):
     viewer = RunViewer(state)
     before = tuple(viewer._orbit.three.position)
     viewer.badge._worst.click()
-    nearest = state.checkpoint.stress.argmax()
-    assert viewer.probed == nearest == viewer.subject.layer("stress").extremes()[0]
+    vertices, where = viewer.subject.mesh.vertices, done.history[-1].verdict.deciding.where
+    nearest = np.linalg.norm(vertices - where, axis=1).argmin()
+    assert viewer.probed == nearest
     assert tuple(viewer._orbit.three.position) != before
-    np.testing.assert_allclose(viewer._orbit.seen.target, viewer.subject.mesh.vertices[nearest], atol=1e-6)
+    np.testing.assert_allclose(viewer._orbit.seen.target, vertices[nearest], atol=1e-6)
+
+
+def test_where_nothing_stays_bent_the_worst_place_is_that_of_the_largest_stress(done):
+    checkpoint, mesh = done.checkpoint(12), done.surface(12)
+    for found in (verdict(row(0.0, place="")), verdict(published_row(), criterion="paper"), UNKNOWN):
+        assert badge.worst_vertex(mesh, checkpoint, found) == checkpoint.stress.argmax()
+
+
 def test_keys_turn_the_part_and_bring_it_back(done):
     viewer = RunViewer(StudioState(done))
     home = viewer._orbit.seen

@@ -5,12 +5,13 @@ from __future__ import annotations
 import asyncio
 from dataclasses import replace
 
-import msgspec
 import numpy as np
 import pytest
 
 from mechstyle.errors import SimulationFailed
 from mechstyle.pictures.fields import MOMENT
+from mechstyle.records.sentences import bend
+from mechstyle.runs.run import Run
 from mechstyle.simulation.impact import Impact
 from mechstyle_widgets.state.studio_state import StudioState
 from mechstyle_widgets.viewer import impact_player
@@ -25,88 +26,92 @@ def state(done):
 
 @pytest.fixture
 def impact(done):
-    """Three moments of a sheet that bulges: by 0, 0.1 and 0.2 mm along x."""
+    """Two moments of a sheet that bulges, by 0 and 0.1 mm along x, and the shape that it keeps, by 0.2 mm."""
     x = done.part.surface.vertices[:, 0]
     bulge = np.zeros((3, len(x), 3), np.float32)
     bulge[:, :, 0] = np.array([0.0, 0.1, 0.2])[:, None] * np.sin(x)
-    return Impact(np.array([0.0, 0.5, 1.0]), bulge, np.outer([0.0, 10.0, 20.0], np.linspace(0.5, 1.0, len(x))).astype(np.float32))
+    return Impact(np.array([0.0, 0.5, 1.0]), bulge, np.outer([0.0, 20.0, 10.0], np.linspace(0.5, 1.0, len(x))).astype(np.float32))
 
 
 @pytest.fixture
 def viewer(state, impact, monkeypatch):
-    def worked_out(_part, _recipe, _displacement, _memo, progress, normal):
+    def worked_out(_simulator, simulation, landing, progress):
         progress(0.5)
-        return replace(impact, normal=normal)
+        return replace(impact, normal=simulation.landing(landing).normal)
 
     monkeypatch.setattr(impact_player, "impact_of", worked_out)
+    monkeypatch.setattr(Run, "simulator", lambda *_: None)
     return RunViewer(state)
 
 
 def test_an_impact_shows_the_stress_of_the_moment_on_the_deformed_part(viewer, impact):
     viewer.player.play()
-    viewer.player.frame = 2
     assert viewer.layer == "moment"
-    assert np.allclose(viewer.subject.layer("moment").values, impact.stress[2])
-    assert "at 1000 µs, deformed × 20" in viewer._legend.value
-    assert np.allclose(viewer.subject.mesh.vertices, impact.shape(viewer._state.run.surface(12), 2, 20.0).vertices)
+    assert np.allclose(viewer.subject.layer("moment").values, impact.stress[1])
+    assert "at 500 µs, deformed × 20" in viewer._legend.value
+    assert np.allclose(viewer.subject.mesh.vertices, impact.shape(viewer._state.run.surface(12), 1, 20.0).vertices)
     viewer.player.exaggeration = 1.0
-    assert np.allclose(viewer.subject.mesh.vertices, impact.shape(viewer._state.run.surface(12), 2, 1.0).vertices)
+    assert np.allclose(viewer.subject.mesh.vertices, impact.shape(viewer._state.run.surface(12), 1, 1.0).vertices)
 
 
-def test_it_opens_at_the_peak_and_plays_up_to_it(viewer, impact, monkeypatch):
-    early = replace(impact, stress=impact.stress[[0, 2, 1]])
-    monkeypatch.setattr(impact_player, "impact_of", lambda *_: early)
+def test_it_opens_at_the_peak_and_ends_in_the_shape_that_stays(viewer, impact):
     viewer.player.play()
-    player = viewer.player
-    assert (player.frame, player._play.max, player._slider.max) == (1, 1, 2)
+    player, landing = viewer.player, viewer._state.run.simulation(12).landings[0]
+    assert (player.frame, player._play.max, player._slider.max) == (1, 2, 2)
     assert player._time.value == "500 µs · peak"
-    player.frame = 2  # the slider goes on to the end
-    assert np.allclose(viewer.subject.layer("moment").values, early.stress[2])
+    player.frame = 2
+    assert player._time.value == f"{bend(landing.permanent_set)} stays bent"
+    assert "in the shape that stays" in viewer._legend.value
+    assert np.allclose(viewer.subject.layer("moment").values, impact.stress[2])
     player._peak.click()
     assert player.frame == 1
 
 
-def test_any_landing_that_was_tested_can_be_seen(state, viewer, monkeypatch):
-    tested, known = state.run.simulation(12), state.simulation
-    ways = {"flat": (0.0, 0.0, 1.0), "on its side": (1.0, 0.0, 0.0)}
-    flat, aside = (msgspec.structs.replace(tested.landings[0], name=name, normal=normal) for name, normal in ways.items())
-    aside = msgspec.structs.replace(aside, way="any landing", critical_height=400.0)
-    fields = np.stack([tested.landing_stress[0]] * 2)
-
-    def with_landings(store, checkpoint):
-        found = known(store, checkpoint)
-        if checkpoint.iteration == 12:
-            return replace(found, landings=(flat, aside), landing_stress=fields)
-        return replace(found, landings=found.landings[:1], landing_stress=found.landing_stress[:1])
-
-    monkeypatch.setattr(state, "simulation", with_landings)
-    state.iteration = 4
-    state.iteration = 12
+def test_any_landing_that_was_tested_can_be_seen(state, viewer):
     player = viewer.player
-    assert [normal for _, normal in player._which.options] == list(ways.values())
-    assert player._which.options[1][0] == "on its side · 40 cm"
+    landings = state.run.simulation(12).landings
+    assert [label for label, _ in player._which.options] == [f"{one.name} · {bend(one.permanent_set)}" for one in landings]
     player.play()
-    player.landing = (1.0, 0.0, 0.0)
-    assert player.impact.normal == (1.0, 0.0, 0.0), "another landing is worked out at once"
-    assert "on its side, at" in viewer._legend.value
+    player.landing = landings[1].name
+    assert player.impact.normal == landings[1].normal, "another landing is worked out at once"
+    assert f"{landings[1].name}, at" in viewer._legend.value
     within = np.abs(viewer._orbit.seen.project(viewer.subject.mesh.vertices)[:, :2])
     assert within.max() < 1.0, "all of it is in view, where it stands now"
+
+
+def test_a_landing_that_was_not_tested_there_is_flat_again(state, viewer, monkeypatch):
+    known = state.simulation
+
+    def less(store, checkpoint):
+        found = known(store, checkpoint)
+        return found if checkpoint.iteration == 12 else one_landing(found)
+
+    monkeypatch.setattr(state, "simulation", less)
+    viewer.player.landing = state.run.simulation(12).landings[1].name
     state.iteration = 4
-    assert player.landing == (0.0, 0.0, 1.0), "which was tested in no other way"
+    assert viewer.player.landing == "flat"
 
 
-def test_the_limit_of_the_moment_is_that_of_the_landing(viewer, state, impact):
-    verdict = state.row(12).verdict
-    rows = (verdict.row("flat"), msgspec.structs.replace(verdict.row("flat"), test="nearly flat", limit=77.0))
-    given = msgspec.structs.replace(verdict, rows=rows)
-    player = viewer.player
-    player.play()
-    assert player.at_the_moment(viewer._still, given).layer("moment").threshold == rows[0].limit
-    landing = msgspec.structs.replace(player._landings[impact.normal], way="nearly flat")
-    player._landings = {impact.normal: landing}
-    assert player.at_the_moment(viewer._still, given).layer("moment").threshold == 77.0
-    unknown = msgspec.structs.replace(verdict, rows=())
-    assert player.at_the_moment(viewer._still, unknown).layer("moment").threshold == verdict.strength
+def test_what_was_not_tested_in_that_landing_stands_beside_it_at_rest(state, viewer, monkeypatch):
+    known = state.simulation
+    monkeypatch.setattr(
+        state, "simulation", lambda store, at: one_landing(known(store, at)) if at.iteration == 4 else known(store, at)
+    )
+    viewer.compared = ("main", 4)
+    viewer.player.landing = state.run.simulation(12).landings[1].name
+    viewer.player.play()
+    assert viewer.subject.layer("moment") is not None
+    assert viewer.original.layer("moment") is None
+
+
+def one_landing(found):
+    fields = {name: getattr(found, name)[:1] for name in ("landing_stress", "landing_strain", "landing_set")}
+    return replace(found, landings=found.landings[:1], **fields)
+
+
+def test_the_stress_of_the_moment_stands_against_the_yield_strength(viewer, state):
+    viewer.player.play()
+    assert viewer.subject.layer("moment").threshold == state.run.recipe.test.material.yield_strength
 
 
 def test_what_was_on_show_before_an_impact_is_on_show_after_it(viewer, state):
@@ -163,7 +168,7 @@ def test_an_impact_that_cannot_be_shown_says_so(viewer, monkeypatch, caplog):
         raise ValueError("two parts")
 
     monkeypatch.setattr(impact_player.ImpactPlayer, "_fall", cannot)
-    viewer.player.play()
+    viewer.player.play(once=True)
     assert "by an unexpected ValueError: two parts" in viewer.player._said.value
     assert viewer.player._button in viewer.player._start.children
     assert viewer.player._start in viewer.player.children, "it can be tried again"
@@ -222,13 +227,12 @@ def test_a_drop_that_breaks_off_can_be_tried_again(viewer, later, impact, monkey
 
 def test_another_landing_ends_the_drop_of_the_one_before(viewer, later):
     player = viewer.player
-    player._which.options = [("flat", (0.0, 0.0, 1.0)), ("on its side", (1.0, 0.0, 0.0))]
     player.play()
-    player.landing = (1.0, 0.0, 0.0)
+    player.landing = "tilted 3°"
     for drop in reversed(later.drops):
         drop()
     later.turn()
-    assert (len(later.drops), player.impact.normal) == (2, (1.0, 0.0, 0.0))
+    assert (len(later.drops), player.impact.normal) == (2, (0.0, 0.6, 0.8))
 
 
 def test_a_drop_that_fails_after_it_was_ended_says_nothing(viewer, later, monkeypatch):

@@ -7,9 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from mechstyle.pictures.fields import safety_factor
 from mechstyle.runs import run as module
-from mechstyle.runs.report.replay_data import replay_data
 from mechstyle_widgets.viewer.layers import subject_of
 from mechstyle_widgets.viewer.probe import brief, table
 from support.lanes import lane_on_a_sheet
@@ -22,37 +20,34 @@ def growing(tmp_path):
     return lane_on_a_sheet(tmp_path / "run", iterations=20, **settings)
 
 
-def test_figures_viewer_and_replay_read_a_field_alike(growing, monkeypatch):
+def test_figures_and_viewer_read_a_field_alike(growing, monkeypatch):
     panels = []
     monkeypatch.setattr(module, "with_protected", lambda panel, _: panel)
     monkeypatch.setattr(module, "picture", lambda shown, **_: panels.extend(shown))
     growing.show()
-    header = {layer["key"]: layer for layer in replay_data(growing).header["layers"]}
     layers = {layer.name: layer for layer in subject_of(growing, growing.checkpoint()).layers}
-    drawn = {panel.title: panel for panel in panels if panel.values is not None}
-    assert [name for name in header if name != "style"] == list(layers)[:5]
-    assert header["demand"]["threshold"] == 0.5
-    for name in ("stress", "safety_factor", "restraint", "demand", "displacement"):
-        played, layer = header[name], layers[name]
-        assert (played["label"], played["unit"], played["threshold"]) == (layer.label, layer.unit, layer.threshold)
-        assert (played["low"], played["high"]) == pytest.approx(layer.limits, rel=1e-5)
-    assert set(drawn) == {"stress", "restraint"}
+    drawn = {panel.title.replace("what stays bent", "stays_bent"): panel for panel in panels if panel.values is not None}
+    assert layers["demand"].threshold == 0.5
+    assert set(drawn) == {"stress", "stays_bent", "restraint"}
     for name, panel in drawn.items():
         layer = layers[name]
-        assert (panel.label, panel.unit, panel.limits, panel.threshold) == (layer.label, layer.unit, layer.limits, layer.threshold)
+        assert (panel.label, panel.unit, panel.threshold, panel.edge) == (layer.label, layer.unit, layer.threshold, layer.edge)
+        assert panel.limits == pytest.approx(layer.limits)
         assert np.array_equal(panel.values, layer.values)
 
 
 def test_a_checkpoint_shows_every_field_that_is_known_there(done):
     state = done.checkpoint(12)
-    subject = subject_of(done, state)
-    of_any = ["stress", "safety_factor", "restraint", "demand", "displacement", "thickness", "contact"]
-    of_tests = ["flat_stress", "nearly_flat_stress"]
+    subject, tested = subject_of(done, state), done.simulation(12)
+    of_any = ["stress", "stays_bent", "restraint", "demand", "displacement", "thickness", "contact"]
+    of_tests = [f"stress_{name}" for name in ("flat", "tilted_3")]
     assert [layer.name for layer in subject.layers] == of_any + of_tests
-    for name, way in zip(of_tests, ("flat", "nearly flat"), strict=True):
-        [landing] = done.simulation(12).of(way)
-        assert np.allclose(subject.layer(name).values, done.simulation(12).stress_of(landing=landing.name))
-        assert subject.layer(name).threshold == pytest.approx(state.verdict.row(way).limit)
+    strength = done.recipe.test.material.yield_strength
+    for name, landing in zip(of_tests, tested.landings, strict=True):
+        assert np.allclose(subject.layer(name).values, tested.stress_of(landing=landing.name))
+        assert subject.layer(name).threshold == strength
+    row = state.verdict.deciding
+    assert np.allclose(subject.layer("stays_bent").values, np.linalg.norm(tested.set_of(landing=row.landing), axis=1))
     assert np.array_equal(subject.layer("stress").values, state.stress)
     assert np.allclose(subject.layer("restraint").values, 1.0 - state.mask)
     assert np.array_equal(subject.layer("displacement").values, state.displacement)
@@ -60,14 +55,15 @@ def test_a_checkpoint_shows_every_field_that_is_known_there(done):
     assert subject.mesh.colours is not None
 
 
-def test_the_least_safety_factor_is_that_of_the_verdict_and_what_is_below_one_is_set_apart(done):
-    layer, verdict = subject_of(done, done.checkpoint(12)).layer("safety_factor"), done.history[-1].verdict
-    assert layer.values.min() == pytest.approx(verdict.safety_factor, rel=1e-5)
-    assert layer.values.max() <= 10.0
-    assert (layer.limits, layer.threshold, layer.title) == ((4.0, 0.0), 1.0, "safety factor")
-    strength = done.recipe.test.material.yield_strength
-    factors = safety_factor(strength).made(strength * np.array([0.25, 0.99, 1.01]))
-    assert layer.scale.beyond(factors).tolist() == [False, False, True]
+def test_what_stays_bent_is_drawn_exaggerated_and_its_layer_says_how_much(done):
+    subject, row = subject_of(done, done.checkpoint(12)), done.history[-1].verdict.deciding
+    bent = subject.bent(20.0)
+    assert np.allclose(bent.mesh.vertices - subject.mesh.vertices, 20.0 * done.simulation(12).set_of(landing=row.landing), atol=1e-4)
+    assert bent.layer("stays_bent").note == f"{row.landing}, bend drawn × 20"
+    assert np.array_equal(bent.layer("stays_bent").values, subject.layer("stays_bent").values)
+    assert subject.most_bent == pytest.approx(row.permanent_set, rel=1e-5)
+    unknown = replace(subject, bend=None)
+    assert (unknown.bent(20.0), unknown.most_bent) == (unknown, 0.0)
 
 
 def test_contact_is_given_in_words(done):
@@ -80,20 +76,16 @@ def test_contact_is_given_in_words(done):
     assert f"<b>{said}</b>" in brief(subject, 5, "contact")
 
 
-def test_nearly_flat_landings_are_shown_only_where_they_were_dropped(fake_run, tmp_path):
-    flat_only = fake_run(tmp_path / "flat", nearly_flat=False)
-    assert subject_of(flat_only.go(), flat_only.run.checkpoint(4)).layer("nearly_flat_stress") is None
-
-
 def test_the_limits_are_those_of_the_verdict_and_of_the_recipe(done):
     subject = subject_of(done, done.checkpoint(4))
-    assert subject.layer("stress").threshold == done.history[4].verdict.deciding.limit
+    assert subject.layer("stress").threshold == done.recipe.test.material.yield_strength
+    assert subject.layer("stays_bent").threshold == done.history[4].verdict.deciding.allowed
     assert subject.layer("demand").threshold == done.recipe.restraint.threshold
 
 
 def test_between_simulations_the_last_verdict_holds_and_its_age_is_said(done):
     state = done.checkpoint(6)
-    assert subject_of(done, state).layer("stress").threshold == done.history[4].verdict.deciding.limit
+    assert subject_of(done, state).layer("stays_bent").threshold == done.history[4].verdict.deciding.allowed
     assert subject_of(done, state).layer("stress").note == "flat, simulated at iteration 4"
     assert subject_of(done, done.checkpoint(4)).layer("stress").note == "flat"
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from mechstyle.errors import BadInput
+from mechstyle.pictures.panels import exaggeration
 from mechstyle.runs.run import Run
 from mechstyle.simulation.impact import Impact
 from mechstyle_widgets.jupyter import looks
@@ -107,6 +108,37 @@ def test_the_run_of_a_relative_folder_is_followed_from_another_one(done, monkeyp
     assert np.allclose(viewer.subject.mesh.vertices, done.surface(5).vertices)
 
 
+# --- the shape that stays -----------------------------------------------------------------------------------------
+
+
+def test_the_layer_of_what_stays_bent_shows_the_part_in_that_shape(done):
+    state = StudioState(done)
+    viewer = RunViewer(state)
+    state.layer = "stays_bent"
+    factor = viewer.player.exaggeration
+    assert factor == exaggeration(max(one.most_bent for one in (viewer._still, *viewer._rests)), done.surface(12).size)
+    assert np.allclose(viewer.subject.mesh.vertices, viewer._still.bent(factor).mesh.vertices)
+    assert np.allclose(viewer.original.mesh.vertices, viewer._rests[0].bent(factor).mesh.vertices)
+    assert f"bend drawn × {factor:g}" in viewer._legend.value
+    assert "mm" in viewer._legend.value
+    viewer.player.exaggeration = 1.0
+    assert np.allclose(viewer.subject.mesh.vertices, viewer._still.bent(1.0).mesh.vertices)
+    state.iteration = 4
+    assert np.allclose(viewer.subject.mesh.vertices, viewer._still.bent(viewer.player.exaggeration).mesh.vertices)
+    state.layer = "stress"
+    assert np.allclose(viewer.subject.mesh.vertices, done.surface(4).vertices)
+
+
+def test_its_factor_can_be_chosen_while_it_is_shown(done):
+    viewer = RunViewer(StudioState(done))
+    player = viewer.player
+    assert player._start.children == (player._button,)
+    viewer.layer = "stays_bent"
+    assert player._factor in player._start.children
+    viewer.layer = "style"
+    assert player._start.children == (player._button,)
+
+
 # --- side by side -------------------------------------------------------------------------------------------------
 
 
@@ -129,12 +161,13 @@ def test_what_stands_beside_falls_with_it_and_once_after_both(done, monkeypatch)
     """The second pane fell back to its style while the first showed an impact."""
     count, dropped = len(done.part.surface.vertices), []
 
-    def impact(_part, _recipe, displacement, *_):
-        dropped.append(displacement)
+    def impact(_simulator, simulation, *_):
+        dropped.append(simulation.displacement)
         stress = np.outer([0.0, 5.0, 9.0], np.full(count, 1.0 + len(dropped))).astype(np.float32)
         return Impact(np.array([0.0, 0.5, 1.0]), np.zeros((3, count, 3), np.float32), stress)
 
     monkeypatch.setattr(impact_player, "impact_of", impact)
+    monkeypatch.setattr(Run, "simulator", lambda *_: None)
     state = StudioState(done)
     viewer = RunViewer(state)
     viewer.compared = ("main", 4)

@@ -26,7 +26,7 @@ def stress(sphere):
 
 @pytest.fixture
 def viewer(sphere, stress):
-    return Viewer(sphere, [stress, Layer("safety_factor", 45.0 / stress.values)])
+    return Viewer(sphere, [stress, Layer("stays_bent", 45.0 / stress.values)])
 
 
 @pytest.fixture
@@ -274,6 +274,6 @@ def test_the_buttons_and_the_keys_are_one(viewer):
     viewer.key("x")
     assert not viewer._toolbar._cut.value
     viewer.key("l")
-    assert viewer.layer == viewer._toolbar.choice.value == "safety_factor"
+    assert viewer.layer == viewer._toolbar.choice.value == "stays_bent"
     viewer.key("l")
     assert viewer.layer == "style"
