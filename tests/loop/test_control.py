@@ -8,10 +8,11 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from mechstyle.errors import BadInput
-from mechstyle.loop.control import MASKS, demand, exponential, frozen, headroom, linear, mask, normalised, utilisation
-from mechstyle.records import CONTROLS, NORMALISATIONS, Landing, LoadResult, Recipe, Simulation, judge
+from mechstyle.loop.control import MASKS, YIELDED, demand, exponential, frozen, headroom, linear, mask, normalised, overload, utilisation
+from mechstyle.loop.correction import AIM
+from mechstyle.records import CONTROLS, NORMALISATIONS, Recipe, Simulation
 from mechstyle.records.material import LIBRARY
-from mechstyle.records.verdict import NO_WORSE, REPEATABILITY
+from support.records import landing, load_result, load_row, published_row, row
 
 PLA = LIBRARY["PLA"]  # yield strength 45.6 MPa, critical stress 0.2 · 45.6 = 9.12 MPa
 RESTRAINING = [linear, exponential, frozen]
@@ -109,35 +110,42 @@ def test_an_unknown_control_is_refused_with_the_nearest():
         mask(CRITICAL, "exponentail")
 
 
-# --- demand ---------------------------------------------------------------------------------------------------------
+# --- utilisation ----------------------------------------------------------------------------------------------------
 
-Y = PLA.yield_strength
-FALL = 1500.0
+Y, BREAKS = PLA.yield_strength, PLA.elongation
+
+
+def test_utilisation_is_the_stress_over_the_strength_and_beyond_it_the_strain_over_that_at_break():
+    used = utilisation(field(0.5 * Y, Y, 3.0 * Y, Y, Y), field(0.0, 0.0, 0.0, 0.5 * BREAKS, 2.0 * BREAKS), PLA)
+    assert used == pytest.approx([0.5, 1.0, 1.0, 1.5, 3.0])
+
+
+@given(stress=st.floats(0, 100, width=32), strain=st.floats(0, 1, width=32))
+def test_it_is_above_one_exactly_where_a_place_has_yielded(stress, strain):
+    assert (utilisation(field(stress), field(strain), PLA)[0] > 1.0) == (strain > YIELDED)
+
+
+# --- demand ---------------------------------------------------------------------------------------------------------
 
 
 def asked(**settings):
     return Recipe.of(surface="s", tetrahedra="t", prompt="brick", **{"material": PLA, **settings})
 
 
-def simulated(stress, nearly=(), any_landing=(), loads=None):
-    """A simulation with these fields, one for each landing and load; σ_V of each is the largest value of its field."""
-    fields = [("flat", "flat", stress), *((f"nearly {n}", "nearly flat", one) for n, one in enumerate(nearly))]
-    fields += [(f"any {n}", "any landing", one) for n, one in enumerate(any_landing)]
-    landings = tuple(
-        Landing(
-            name=name, way=way, normal=(0.0, 0.0, 1.0), stress=float(one.max()), maximum=2.0 * float(one.max()), where=(0.0, 0.0, 0.0),
-            fall=FALL, critical_height=FALL * (Y / max(float(one.max()), 1e-3)) ** 2,
-        )
-        for name, way, one in fields
-    )  # fmt: skip
-    under = tuple(
-        LoadResult(name=name, stress=float(one.max()), maximum=2.0 * float(one.max()), where=(0.0, 0.0, 0.0), deflection=0.1)
-        for name, one in (loads or {}).items()
-    )
+def simulated(stress, tilted=None, hung=None, strain=None, strain_tilted=None, strain_hung=None):
+    """A simulation with these fields of stress [MPa] and plastic strain, flat, tilted and under a load."""
+    nothing = np.zeros(len(stress), np.float32)
+    landed = [(stress, strain)] + ([] if tilted is None else [(tilted, strain_tilted)])
+    loaded = [] if hung is None else [(hung, strain_hung)]
+    fields = {
+        f"{kind}_{what}": np.stack([nothing if one[number] is None else one[number] for one in found]) if found else ()
+        for kind, found in (("landing", landed), ("load", loaded))
+        for number, what in enumerate(("stress", "strain"))
+    }
+    names = (("flat", "flat"), ("tilted", "nearly flat"))[: len(landed)]
     return Simulation(
-        displacement=np.zeros(len(stress)), contact=np.zeros(len(stress), bool), landings=landings,
-        landing_stress=np.stack([one for *_, one in fields]), loads=under,
-        load_stress=np.stack(list(loads.values())) if loads else np.zeros((0, len(stress))),
+        displacement=nothing, contact=nothing > 0, landings=tuple(landing(name, way=way) for name, way in names),
+        loads=(load_result("hung"),)[: len(loaded)], **fields,
     )  # fmt: skip
 
 
@@ -146,95 +154,84 @@ def demanded(stress, original, normalisation):
     return demand(simulated(stress), simulated(original), asked(normalisation=normalisation))
 
 
-def judged(styled, original=None, **settings):
-    return judge(styled, original, asked(**settings))
-
-
 def test_headroom_is_the_share_of_the_reserve_used_up():
     original, limit = field(20.0, 20.0, 40.0, 100.0, 100.0), field(45.6, 45.6, 50.0, 125.0, 125.0)
     stress = field(32.8, 45.6, 45.0, 106.25, 150.0)  # reserves of 25.6, 25.6, 10, 25 and 25 MPa
     assert headroom(stress, original, limit) == pytest.approx([0.5, 1.0, 0.5, 0.25, 2.0], rel=1e-6)
 
 
-@given(baseline=arrays(np.float32, 20, elements=stresses))
-def test_headroom_demands_nothing_of_the_unstylized_part(baseline):
-    """Not even of a vertex that is above yield without a style: or the style could never start there."""
-    original = simulated(baseline, nearly=(2 * baseline,), loads={"hung": 3 * baseline})
-    assert not demand(original, original, asked(normalisation="headroom")).any()
+yielding = arrays(np.float32, 20, elements=st.floats(0, 0.125, width=32))
 
 
-figures = st.floats(1.0, 200.0, width=32)
+@given(baseline=arrays(np.float32, 20, elements=stresses), strain=yielding)
+def test_headroom_demands_nothing_of_the_unstylized_part(baseline, strain):
+    """Not even of a vertex that yields without a style: or the style could never start there."""
+    original = simulated(baseline, 2 * baseline, 3 * baseline, strain, strain, strain)
+    assert not demand(original, original, asked()).any()
 
 
-@given(own=figures, now=figures, nearly_own=figures, nearly_now=figures, load_own=figures, load_now=figures)
-def test_headroom_is_exhausted_exactly_where_the_verdict_fails(own, now, nearly_own, nearly_now, load_own, load_now):
-    """One vertex, whose stress is σ_V in every test: mask and verdict have one limit."""
-    original = simulated(field(own), nearly=(field(nearly_own),), loads={"hung": field(load_own)})
-    styled = simulated(field(now), nearly=(field(nearly_now),), loads={"hung": field(load_now)})
-    tests = ((now, own), (nearly_now, nearly_own), (load_now, load_own))
-    for stress, theirs in tests:
-        for limit in (Y, theirs / np.sqrt(NO_WORSE), theirs / NO_WORSE):
-            if abs(stress / limit - 1.0) < 1e-5:
-                return  # within single precision of a limit
-    exhausted = demand(styled, original, asked(normalisation="headroom"))[0] > 1.0
-    assert exhausted == (judged(styled, original).outcome == "FAILS")
+@given(strain=yielding, own=yielding, test=st.sampled_from(["strain", "strain_tilted", "strain_hung"]))
+def test_whatever_yields_more_than_the_original_does_in_that_test_has_no_reserve_left(strain, own, test):
+    calm = np.full(20, 0.5 * Y, np.float32)
+    styled, original = (simulated(calm, calm, calm, **{test: one}) for one in (strain, own))
+    held = mask(demand(styled, original, asked()), "exponential")
+    assert not held[(strain > YIELDED) & (strain > own)].any()
+    assert np.all(held[strain <= YIELDED] > 0.0)
 
 
 def test_the_test_that_is_nearest_to_its_limit_demands():
-    original = simulated(field(10.0, 10.0, 10.0), nearly=(field(60.0, 10.0, 10.0),), loads={"hung": field(5.6, 5.6, 5.6)})
-    styled = simulated(field(10.0, 27.8, 10.0), nearly=(field(60.0, 10.0, 38.0),), loads={"hung": field(15.6, 5.6, 5.6)})
-    nearly = 60.0 / np.sqrt(NO_WORSE) - 10.0
-    assert demand(styled, original, asked(normalisation="headroom")) == pytest.approx([0.25, 0.5, 28.0 / nearly], rel=1e-4)
+    original = simulated(field(0.0, 0.5 * Y, 0.0), tilted=field(0.0, 0.0, 0.5 * Y), hung=field(0.5 * Y, 0.0, 0.0))
+    styled = simulated(field(0.1 * Y, 0.75 * Y, 0.0), tilted=field(0.2 * Y, 0.1 * Y, 0.9 * Y), hung=field(0.6 * Y, 0.0, 0.0))
+    assert demand(styled, original, asked()) == pytest.approx([0.2, 0.5, 0.8], rel=1e-5)
 
 
-def test_any_landing_and_a_way_the_original_was_not_dropped_demand_nothing():
-    original = simulated(field(10.0), any_landing=(field(20.0),))
-    styled = simulated(field(10.0), nearly=(field(500.0),), any_landing=(field(500.0),))
-    assert not demand(styled, original, asked(normalisation="headroom")).any()
+def test_what_the_original_bears_in_a_test_excuses_no_other():
+    original = simulated(field(Y), tilted=field(20.0), hung=field(20.0), strain=field(0.02))
+    for test in ("strain_tilted", "strain_hung"):
+        styled = simulated(field(Y), tilted=field(Y), hung=field(Y), strain=field(0.02), **{test: field(0.01)})
+        assert demand(styled, original, asked())[0] > 1.0
 
 
-def test_what_the_original_bears_in_a_landing_excuses_no_load():
-    original = simulated(field(2.0 * Y), loads={"hung": field(20.0)})
-    styled = simulated(field(2.0 * Y), loads={"hung": field(1.2 * Y)})
-    assert demand(styled, original, asked(normalisation="headroom"))[0] > 1.0
+def test_a_landing_the_original_was_not_dropped_in_has_all_its_reserve_to_lose():
+    assert demand(simulated(field(10.0), tilted=field(0.5 * Y)), simulated(field(10.0)), asked()) == pytest.approx([0.5])
 
 
-# --- utilisation ----------------------------------------------------------------------------------------------------
+# --- overload -------------------------------------------------------------------------------------------------------
+
+FLAT, TILTED, HUNG = row(0.3), row(0.3, test="nearly flat", landing="tilted"), load_row(0.3, load="hung")
 
 
-@given(own=figures, now=figures, nearly_own=figures, nearly_now=st.lists(figures, min_size=1, max_size=3), load_now=figures)
-def test_utilisation_reaches_one_somewhere_exactly_where_a_row_does_not_pass_for_sure(own, now, nearly_own, nearly_now, load_now):
-    """σ_V is in these fields, so the place that is lowered is the place that is judged."""
-    original = simulated(field(own), nearly=[field(nearly_own)] * len(nearly_now), loads={"hung": field(20.0)})
-    styled = simulated(field(now), nearly=[field(one) for one in nearly_now], loads={"hung": field(load_now)})
-    for row in judged(styled, original).rows:
-        if not row.decides or abs(row.stress / row.limit * (1.0 + REPEATABILITY[row.test]) - 1.0) < 1e-5:
-            continue
-        reached = bool(utilisation(styled, [row]).max() >= 1.0)
-        assert reached == (row.outcome == "FAILS" or not row.sure)
-        assert reached or row.outcome != "FAILS"
+def test_overload_is_of_the_tests_to_be_met_and_of_no_other():
+    styled = simulated(*(field(Y, Y, Y),) * 3, field(0.02, 0.0, 0.0), field(0.0, 0.02, 0.0), field(0.0, 0.0, 0.02))
+    found = [overload(styled, [one], PLA) for one in (FLAT, TILTED, HUNG)]
+    assert [int(used.argmax()) for used in found] == [0, 1, 2]
+    assert all(np.sum(used > AIM) == 1 for used in found)
+    assert np.array_equal(overload(styled, [FLAT, HUNG], PLA), np.maximum(found[0], found[2]))
+    assert not overload(styled, [], PLA).any()
 
 
-def test_utilisation_is_that_of_the_tests_to_be_met_and_of_no_other():
-    styled = simulated(field(1.5 * Y, 10.0, 10.0), nearly=(field(10.0, 80.0, 10.0),), loads={"hung": field(10.0, 10.0, 2.0 * Y)})
-    rows = {row.test: row for row in judged(styled, simulated(field(10.0, 1.0, 1.0), nearly=(field(9.0, 1.0, 1.0),))).rows}
-    found = {test: utilisation(styled, [rows[test]]) for test in ("flat", "nearly flat", "load")}
-    assert [int(used.argmax()) for used in found.values()] == [0, 1, 2]
-    assert all(np.sum(used > 1.0) == 1 for used in found.values())
-    assert np.array_equal(utilisation(styled, [rows["flat"], rows["load"]]), np.maximum(found["flat"], found["load"]))
-    assert not utilisation(styled, []).any()
+def test_the_hinge_is_lowered_and_not_the_scratch_beside_it():
+    styled = simulated(field(Y, Y, Y), strain=field(0.04, 0.004, 0.0))
+    hinge, scratch, rest = overload(styled, [row(0.3, allowed=0.2)], PLA)
+    assert (hinge, scratch) == (pytest.approx(1.5), pytest.approx(1.05))
+    assert rest <= AIM
 
 
-def test_every_landing_of_a_kind_beyond_its_limit_is_to_be_met_not_the_hardest_alone():
-    styled = simulated(field(10.0, 10.0, 10.0), nearly=(field(90.0, 1.0, 1.0), field(1.0, 80.0, 1.0), field(1.0, 1.0, 40.0)))
-    row = judged(styled, simulated(field(10.0, 1.0, 1.0), nearly=[field(30.0, 1.0, 1.0)] * 3)).row("nearly flat")
-    assert (utilisation(styled, [row]) > 1.0).tolist() == [True, True, False]
+@pytest.mark.parametrize(("bent", "most"), [(0.2001, 1.1), (0.3, 1.5), (0.6, 2.0)])
+def test_the_more_a_test_is_beyond_its_limit_the_more_is_taken_within_bounds(bent, most):
+    assert overload(simulated(field(Y), strain=field(0.03)), [row(bent, allowed=0.2)], PLA) == pytest.approx([most])
+    gone = load_row(0.3, load="hung", collapses=True, allowed=0.2)
+    assert overload(simulated(field(Y), hung=field(Y), strain_hung=field(0.03)), [gone], PLA) == pytest.approx([2.0])
+
+
+def test_where_nothing_at_the_surface_yields_the_highest_stress_is_the_place():
+    used = overload(simulated(field(0.2 * Y, 0.8 * Y)), [FLAT], PLA)
+    assert used.argmax() == 1
+    assert used.max() <= AIM
 
 
 def test_the_published_rule_is_met_at_the_surface():
-    styled = simulated(field(1.2 * Y, 0.5 * Y))
-    row = judged(styled, criterion="paper").row("published rule")
-    assert utilisation(styled, [row]) == pytest.approx([1.2, 0.5])
+    assert overload(simulated(field(1.2 * Y, 0.5 * Y)), [published_row()], PLA) == pytest.approx([1.2, 0.5])
 
 
 # --- normalisations -------------------------------------------------------------------------------------------------
@@ -267,8 +264,8 @@ def test_sigma_c_takes_the_safety_coefficient_of_the_material():
 
 @pytest.mark.parametrize("normalisation", ["own_max", "sigma_c"])
 def test_published_normalisations_know_the_flat_landing_alone(normalisation):
-    original = simulated(field(10.0), nearly=(field(10.0),))
-    styled = simulated(field(10.0), nearly=(field(500.0),))
+    original = simulated(field(10.0), field(10.0))
+    styled = simulated(field(10.0), field(500.0))
     found = demand(styled, original, asked(normalisation=normalisation))
     assert np.array_equal(found, demanded(field(10.0), field(10.0), normalisation))
 
