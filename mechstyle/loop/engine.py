@@ -20,6 +20,7 @@ from mechstyle.loop.bounds import Bounds, advanced, unrestrained_relief
 from mechstyle.loop.store import Lane, Store
 from mechstyle.records import Checkpoint, Recipe, Simulation, Verdict
 from mechstyle.records.mesh import Field, SurfaceMesh
+from mechstyle.records.verdict import OLDER
 
 
 @dataclass(frozen=True)
@@ -185,6 +186,8 @@ class Engine:
         state = self.store.checkpoint(digest)
         while state.parent and state.iteration == self.recipe.schedule.iterations == self.store.entry(state.parent).iteration:
             digest, state = state.parent, self.store.checkpoint(state.parent)
+        if state.verdict is not None and state.verdict.failure == OLDER and state.iteration == self.recipe.schedule.iterations:
+            digest, state = state.parent, self.store.checkpoint(state.parent)  # what it ended with is tested again
         if state.iteration > self.recipe.schedule.iterations:
             beyond = f"beyond the {self.recipe.schedule.iterations} asked for; ask for more iterations"
             raise BadInput(f"lane {self.lane!r} stands at iteration {state.iteration}, {beyond}")

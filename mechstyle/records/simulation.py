@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import Literal, get_args
 
@@ -18,7 +19,7 @@ WAYS: tuple[Way, ...] = get_args(Way)
 
 
 class Landing(msgspec.Struct, frozen=True, kw_only=True):
-    """One drop.
+    """One drop; NaN stands for figures that an older measure did not know.
 
     Attributes:
         name: Name of the landing.
@@ -38,8 +39,8 @@ class Landing(msgspec.Struct, frozen=True, kw_only=True):
     way: Way
     normal: Place
     fall: float
-    permanent_set: float
-    plastic_strain: float
+    permanent_set: float = math.nan
+    plastic_strain: float = math.nan
     where: Place
     place: str = ""
     maximum: float
@@ -48,7 +49,7 @@ class Landing(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class LoadResult(msgspec.Struct, frozen=True, kw_only=True):
-    """One load case: put on, held and taken off.
+    """One load case: put on, held and taken off; NaN as in `Landing`.
 
     Attributes:
         name: Name of the case.
@@ -61,13 +62,13 @@ class LoadResult(msgspec.Struct, frozen=True, kw_only=True):
     """
 
     name: str
-    permanent_set: float
-    plastic_strain: float
+    permanent_set: float = math.nan
+    plastic_strain: float = math.nan
     where: Place
     place: str = ""
     maximum: float
     deflection: float
-    factor: float
+    factor: float = math.nan
     reached: bool = True
     collapses: bool = False
 

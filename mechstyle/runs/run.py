@@ -20,7 +20,7 @@ from mechstyle.geometry.cancelling import CancelCheck, never_cancel
 from mechstyle.geometry.print_quality import untangled
 from mechstyle.loop import minimum_wall
 from mechstyle.loop.engine import Engine, Event, Finished
-from mechstyle.loop.history import measured_at
+from mechstyle.loop.history import measured_at, simulations
 from mechstyle.loop.objects import read_record, to_json
 from mechstyle.loop.store import Entry, Lane, Store, parse_address
 from mechstyle.pictures.panels import Picture, checkpoint_panels, chosen_panels, picture, with_protected
@@ -120,7 +120,9 @@ class Run:
         if not (self.finished and path.is_file()):
             how = "run the command that started it again, it goes on where it stopped"
             raise BadInput(f"lane {self.lane!r} of {self.store.root} is not finished: {how}")
-        return read_record(path, Summary)
+        summary, history, verdict = read_record(path, Summary), self.history, self.verdict  # which know if an older measure judged
+        told = {"outcome": verdict.outcome, "rows": verdict.rows, "doubts": verdict.doubts, "words": verdict.words}
+        return msgspec.structs.replace(summary, **told, simulations=simulations(history))
 
     def checkpoint(self, iteration: int | None = None) -> Checkpoint:
         """The newest checkpoint of an iteration, None for the last."""

@@ -47,7 +47,7 @@ class Summary(msgspec.Struct, frozen=True, kw_only=True):
 
     outcome: str
     doubts: tuple[Doubt, ...]
-    tolerance: float
+    tolerance: float = 0.0
     rows: tuple[Row, ...]
     words: str
     landings: tuple[Landing, ...]

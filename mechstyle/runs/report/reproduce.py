@@ -42,10 +42,10 @@ def command_for(run: LaneOfRun, history: Sequence[Entry]) -> str:
     """The command line that makes a lane again: `mechstyle run`, then one `mechstyle branch` for each recipe it went on with."""
     recipes = _recipes(run, history)
     folder = f"again-{run.record.stem}"
-    steps = [_run(run, recipes[0], folder)]
+    steps = [_run(run, next(iter(recipes.values())), folder)]
     parent = "main"
-    for number, (old, new) in enumerate(pairwise(recipes), 1):
-        at = max(entry.iteration for entry in history if entry.recipe == old.digest)
+    for number, ((digest, old), (_, new)) in enumerate(pairwise(recipes.items()), 1):
+        at = max(entry.iteration for entry in history if entry.recipe == digest)
         lane = run.lane if number == len(recipes) - 1 and run.lane != "main" else f"step-{number}"
         changes = settings_for(new, lambda old=old, **settings: changed(old, settings))
         steps.append(shlex.join(["mechstyle", "branch", f"{folder}@{parent}:{at}", "--lane", lane, *options(changes)]))
@@ -57,13 +57,14 @@ def cell_for(run: LaneOfRun, history: Sequence[Entry]) -> str:
     """The same as lines of Python for a notebook."""
     recipes = _recipes(run, history)
     origin = run.record.origin
-    given = settings_for(recipes[0], partial(draft, ANY_PROMPT)) | {"prompt": recipes[0].style.prompt}
+    first = next(iter(recipes.values()))
+    given = settings_for(first, partial(draft, ANY_PROMPT)) | {"prompt": first.style.prompt}
     reading = "".join(f", {name}={value!r}" for name, value in origin.reading.items())
     made = {"vertices": origin.vertices} if origin.vertices != STANDARD_VERTICES else {}
     model = f"ms.load({origin.model or f'{run.record.stem}.stl'!r}{reading})"
     lines = ["import mechstyle as ms", f"run = ms.stylize({', '.join([model, *_arguments(given | made)])})"]
-    for old, new in pairwise(recipes):
-        at = max(entry.iteration for entry in history if entry.recipe == old.digest)
+    for (digest, old), (_, new) in pairwise(recipes.items()):
+        at = max(entry.iteration for entry in history if entry.recipe == digest)
         changes = settings_for(new, lambda old=old, **settings: changed(old, settings))
         lines.append(f"run = run.branch({', '.join([str(at), *_arguments(changes)])}).go()")
     return "\n".join([*lines, "run"])
@@ -82,12 +83,10 @@ def _arguments(settings: dict[str, Any]) -> list[str]:
     return arguments
 
 
-def _recipes(run: LaneOfRun, history: Sequence[Entry]) -> list[Recipe]:
-    """The recipes of a lane, one after the other."""
-    recipes = [run.store.recipe(digest) for digest in dict.fromkeys(entry.recipe for entry in history)]
-    if run.recipe.digest not in {recipe.digest for recipe in recipes}:
-        recipes.append(run.recipe)  # branched, but not carried on yet
-    return recipes
+def _recipes(run: LaneOfRun, history: Sequence[Entry]) -> dict[str, Recipe]:
+    """The recipes of a lane, one after the other, by the digests they are stored under."""
+    in_force = run.store.lane(run.lane).recipe  # of a lane that was branched, but not carried on yet, no checkpoint has it
+    return {digest: run.store.recipe(digest) for digest in dict.fromkeys([*(entry.recipe for entry in history), in_force])}
 
 
 def settings_for(recipe: Recipe, start: Callable[..., Recipe]) -> dict[str, Any]:
