@@ -71,7 +71,7 @@ FACTORS = (1, 2, 5, 10, 20, 50, 100)
 
 def exaggeration(bend: float, size: float) -> int:
     """Factor by which a bend [mm] of a part of this size [mm] is drawn."""
-    return max(factor for factor in FACTORS if factor == 1 or factor * bend <= DRAWN * size)
+    return 1 if bend < sentences.NOTHING else max(factor for factor in FACTORS if factor == 1 or factor * bend <= DRAWN * size)
 
 
 def bent_panel(surface: SurfaceMesh, simulation: Simulation, row: Row, *, title: str = "what stays bent") -> Panel:
@@ -80,7 +80,7 @@ def bent_panel(surface: SurfaceMesh, simulation: Simulation, row: Row, *, title:
     values = quantity.of(simulation)
     factor = exaggeration(float(values.max()), surface.size)
     shape = surface.moved(surface.vertices + np.float32(factor) * bend)
-    return field_panel(shape, quantity, values, title=title, note=f"{sentences.figures(row)}; bend drawn × {factor}")
+    return field_panel(shape, quantity, values, title=title, note=sentences.figures(row) + (f"; bend drawn × {factor}" if factor > 1 else ""))
 
 
 def stress_note(surface: SurfaceMesh, stress: NDArray[Any], strength: float, row: Row | None) -> str:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
+
 import msgspec
 import numpy as np
 import pytest
 
 from mechstyle.errors import BadInput
-from mechstyle.pictures.panels import Picture
+from mechstyle.pictures.panels import Picture, bent_panel, exaggeration
 from mechstyle.records.material import LIBRARY
 from mechstyle.records.mesh import TetMesh
 from mechstyle.runs import run as module
@@ -42,38 +44,56 @@ def run(bench, material, settings):
 
 @pytest.fixture
 def shown(run, monkeypatch):
-    """The stress panel of an iteration."""
+    """The panels of an iteration."""
 
-    def stress(iteration):
+    def panels(iteration):
         taken = []
         monkeypatch.setattr(module, "picture", lambda panels, **_: taken.extend(panels))
         run.show(iteration)
-        return taken[1]
+        return taken
 
-    return stress
+    return panels
 
 
 @pytest.mark.parametrize(
-    ("iteration", "title", "note"),
+    ("iteration", "titles", "note"),
     [
-        (20, "stress", "HOLDS a fall of 1.5 m; flat: 20.9 of 45.6 MPa"),
-        (30, "stress (iteration 20)", "flat: 20.9 of 45.6 MPa"),
-        (40, "stress (iteration 20)", "UNKNOWN: this test gave no answer"),
-        (45, "stress (iteration 20)", "UNKNOWN: the later test at iteration 40 gave no answer"),
+        (20, ("stress", "what stays bent"), "HOLDS a fall of 1.5 m; flat: 0.01 mm of 0.20 mm"),
+        (30, ("stress (iteration 20)", "what stays bent (iteration 20)"), ""),
+        (40, ("stress (iteration 20)", "what stays bent (iteration 20)"), "UNKNOWN: this test gave no answer"),
+        (45, ("stress (iteration 20)", "what stays bent (iteration 20)"), "UNKNOWN: the later test at iteration 40 gave no answer"),
     ],
 )
-def test_the_stress_of_an_older_drop_is_not_shown_as_that_of_a_failed_one(shown, iteration, title, note):
-    panel = shown(iteration)
-    assert (panel.title, panel.note) == (title, note)
+def test_the_stress_of_an_older_drop_is_not_shown_as_that_of_a_failed_one(shown, iteration, titles, note):
+    look, stress, bend, _ = shown(iteration)
+    assert (stress.title, bend.title) == titles
+    assert look.note == note
 
 
-@pytest.mark.parametrize("settings", [{"nearly_flat": False}])
-@pytest.mark.parametrize("material", [msgspec.structs.replace(LIBRARY["PLA"], yield_strength=15.0)])
-def test_between_drops_the_limit_is_that_of_the_last_verdict(run, shown):
-    """The plain part itself reaches 20 MPa, so the styled part may reach a little more: that of 0.9 of its height."""
-    limit = run.checkpoint(20).verdict.deciding.limit
-    assert limit == pytest.approx(20.0 / 0.9**0.5)
-    assert shown(30).threshold == limit
+def test_each_caption_is_of_its_own_picture(shown):
+    """Below a picture of stress stood what the verdict compared, of another test."""
+    _, stress, bend, _ = shown(20)
+    assert stress.note == "flat: nothing yields at the surface"
+    assert bend.note == "flat: 0.01 mm of 0.20 mm; bend drawn × 100"
+    assert (bend.unit, bend.threshold, bend.edge) == ("mm", 0.2, "allowed")
+
+
+@pytest.mark.parametrize("material", [msgspec.structs.replace(LIBRARY["PLA"], yield_strength=20.5)])
+def test_what_yields_is_said_by_its_share(shown):
+    _, stress, _, _ = shown(20)
+    assert re.fullmatch(r"flat: \d+\.\d% of the surface yields", stress.note)
+    assert stress.threshold == 20.5
+
+
+def test_a_bend_is_drawn_in_its_shape_so_large_that_it_can_be_seen(run):
+    surface, simulation, row = run.surface(20), run.simulation(20), run.checkpoint(20).verdict.deciding
+    panel = bent_panel(surface, simulation, row)
+    assert panel.mesh.vertices == pytest.approx(surface.vertices + 100.0 * simulation.set_of(landing="flat"), abs=1e-4)
+
+
+@pytest.mark.parametrize(("bend", "factor"), [(0.0, 1), (0.01, 100), (0.1, 50), (0.3, 20), (4.0, 1), (50.0, 1)])
+def test_a_factor_is_round_and_never_makes_less_of_it(bend, factor):
+    assert exaggeration(bend, 100.0) == factor
 
 
 def test_a_picture_can_be_made_of_a_failed_drop(run, tmp_path):
@@ -83,13 +103,11 @@ def test_a_picture_can_be_made_of_a_failed_drop(run, tmp_path):
 def test_other_fields_are_shown_instead_if_they_are_asked_for(run, monkeypatch):
     panels = []
     monkeypatch.setattr(module, "picture", lambda shown, **_: panels.extend(shown))
-    run.show(20, fields=["safety_factor", "thickness"])
-    assert [panel.title for panel in panels[1:]] == ["safety factor", "wall thickness"]
-    factor = panels[1]
-    assert (factor.limits, factor.threshold) == ((4.0, 0.0), 1.0)
-    assert factor.values.min() == pytest.approx(run.checkpoint(20).verdict.safety_factor, rel=1e-5)
-    with pytest.raises(BadInput, match="unknown field 'safety'"):
-        run.show(20, fields=["safety"])
+    run.show(20, fields=["stays_bent", "thickness"])
+    assert [panel.title for panel in panels[1:]] == ["stays bent", "wall thickness"]
+    assert panels[1].values.max() == pytest.approx(run.checkpoint(20).verdict.deciding.permanent_set, rel=1e-5)
+    with pytest.raises(BadInput, match="unknown field 'safety_factor'"):
+        run.show(20, fields=["safety_factor"])
 
 
 def test_a_picture_says_its_size_and_not_its_bytes():
