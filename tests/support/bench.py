@@ -63,7 +63,7 @@ class BumpStylizer:
 
 @dataclass
 class LeverSimulator:
-    """Stress = 20 MPa + `gain` · |displacement|, everywhere, .8 of it nearly flat; keeps a count of what it was asked.
+    """Stress = 20 MPa + `gain` · |displacement|, everywhere, `tilt` times it nearly flat; keeps a count of what it was asked.
 
     Above the yield strength a place yields; .2 mm · (stress over strength)⁴ stays bent there.
     """
@@ -72,6 +72,7 @@ class LeverSimulator:
     recipe: Recipe
     gain: float = 50.0
     broken_above: float = np.inf
+    tilt: float = 0.8
     asked: list[tuple[float, bool]] = field(default_factory=list)
 
     @property
@@ -90,7 +91,7 @@ class LeverSimulator:
         if float(np.abs(displacement).max()) > self.broken_above:
             return Simulation(displacement=displacement, contact=contact, failure="the integration blew up")
         stress = (20.0 + self.gain * np.abs(displacement)).astype(np.float32)
-        ways = (("flat", "flat", 1.0), ("tilted 3°", "nearly flat", 0.8))[: 2 if test.nearly_flat else 1]
+        ways = (("flat", "flat", 1.0), ("tilted 3°", "nearly flat", self.tilt))[: 2 if test.nearly_flat else 1]
         stresses = np.stack([share * stress for _, _, share in ways])
         over = stresses / test.material.yield_strength
         strain, bend = np.where(over > 1.0, 0.0025 + 0.01 * (over - 1.0), 0.0), 0.2 * over**4
@@ -108,19 +109,6 @@ class LeverSimulator:
         )  # fmt: skip
 
 
-@dataclass(frozen=True)
-class LooseBase:
-    """Says what the part stands on, and lets every relief be."""
-
-    standing: np.ndarray
-
-    def levelled(self, displacement: np.ndarray) -> np.ndarray:
-        return displacement
-
-    def clipped(self, displacement: np.ndarray) -> np.ndarray:
-        return displacement
-
-
 @dataclass
 class Bench:
     """Everything needed to run the loop on the sheet, anew or from where a store stands."""
@@ -129,9 +117,9 @@ class Bench:
     height: float = 1.0
     gain: float = 50.0
     broken_above: float = np.inf
+    tilt: float = 0.8
     freedom: np.ndarray | None = None
     side: int = 8
-    base: LooseBase | None = None
 
     @property
     def surface(self) -> SurfaceMesh:
@@ -150,6 +138,6 @@ class Bench:
             store.move(lane, Lane(recipe=digest))
         thick = np.full(count, 4.0, np.float32)
         freedom = np.ones(count, np.float32) if self.freedom is None else self.freedom
-        bounds = Bounds(thickness=thick, inward=np.float32(0.25) * thick, outward=thick, freedom=freedom, base=self.base)
-        simulator = LeverSimulator(count, recipe, self.gain, self.broken_above)
+        bounds = Bounds(thickness=thick, inward=np.float32(0.25) * thick, outward=thick, freedom=freedom)
+        simulator = LeverSimulator(count, recipe, self.gain, self.broken_above, self.tilt)
         return Engine(recipe, surface, bounds, BumpStylizer(count, self.height), simulator, store, lane)
