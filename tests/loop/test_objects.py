@@ -78,12 +78,12 @@ def test_fields_of_a_checkpoint_read_back_are_frozen(store):
         back.mask[0] = 1.0
 
 
-NOT_FINITE = landing(stress=np.nan, maximum=np.inf, critical_height=-np.inf, where=(np.nan, 0.0, 0.0))
+NOT_FINITE = landing(permanent_set=np.nan, plastic_strain=np.inf, maximum=-np.inf, where=(np.nan, 0.0, 0.0))
 
 
 def test_numbers_that_are_none_come_back(store):
     """JSON has no word for them; a run that met one must still be readable, if only to say UNKNOWN."""
-    one = simulation(landings=(NOT_FINITE,), landing_stress=np.zeros((1, COUNT)))
+    one = simulation(landings=(NOT_FINITE,), landing_stress=(), landing_strain=(), landing_set=())
     back = store.objects.get_record(store.objects.put_record(one), Simulation)
     assert repr(back.flat) == repr(NOT_FINITE)
     doubted = verdict(doubts=(Doubt(about="relief", value=np.nan),))
@@ -98,7 +98,7 @@ def test_words_that_look_like_numbers_stay_words(store):
 
 @pytest.mark.parametrize(
     "changes",
-    [{}, {"failure": ""}, {"landings": (), "landing_stress": np.zeros((0, COUNT)), "loads": (), "load_stress": np.zeros((0, COUNT))}],
+    [{}, {"failure": ""}, {"landings": (), "loads": (), "landing_stress": (), "landing_strain": (), "landing_set": (), "load_stress": ()}],
     ids=["failed", "tested", "nothing"],
 )
 def test_simulation_comes_back_bit_for_bit(store, changes):
