@@ -142,8 +142,8 @@ class DropSimulator:
                 material, flat = self.recipe.test.material, self.landings.normals[:1]
                 again = drop(morphed.tets, material, flat, undamped, device=self.device, progress=self.progress)
                 balance = None if again.failure else float(np.abs(again.history[0].damping_loss).max() / again.history[0].kinetic[0])
-            for index, number in enumerate(numbers):
-                self._remember(body, morphed, number, self._brought(body, morphed, result, index, number))
+                for index, number in enumerate(numbers):
+                    self._remember(body, morphed, number, self._brought(body, morphed, result, index, number))
             detail = Detail(self._tested(body, displacement, numbers, meshing), result, balance)
             self.memo.remember(key, detail)
         return morphed.tets, detail
@@ -191,8 +191,7 @@ class DropSimulator:
         known = {number: self._recall(body, morphed, number) for number in numbers}
         missing = [number for number, one in known.items() if one is None]
         if missing:
-            result = self._dropped(morphed.tets, missing)
-            for index, number in enumerate(missing):
+            for number, (result, index) in zip(missing, self._each_dropped(morphed.tets, missing), strict=True):
                 known[number] = self._brought(body, morphed, result, index, number)
         found = list[Landed]()
         for number, one in known.items():
@@ -200,6 +199,13 @@ class DropSimulator:
             self._remember(body, morphed, number, one)
             found.append(one)
         return found
+
+    def _each_dropped(self, tets: TetMesh, numbers: Sequence[int]) -> list[tuple[Drop, int]]:
+        """The drop of each landing, and where it stands in it; if one breaks down, each by itself, so that no other is lost with it."""
+        result = self._dropped(tets, numbers)
+        if not result.failure or len(numbers) == 1:
+            return [(result, index) for index in range(len(numbers))]
+        return [(self._dropped(tets, [number]), 0) for number in numbers]
 
     def _dropped(self, tets: TetMesh, numbers: Sequence[int]) -> Drop:
         normals, test = self.landings.normals[list(numbers)], prescribed(self.recipe)
