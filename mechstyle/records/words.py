@@ -80,6 +80,6 @@ WORDS: dict[str, tuple[str, str]] = {
     "both": ("Both", "One run after the other on the same part, MechStyle and then Freestyle, shown side by side."),
     "pinned, third": ("beside, third pane", "Iterations that stay in sight next to the one that is shown, under the same camera."),
     "decisive": ("✕, the worst place", "The place that stays bent most, of the version that is worse off."),
-    "scrubber": ("iteration", "A step of the style; the slider shows any of them, and loads its details when you let go."),
+    "iteration": ("iteration", "A step of the style; the slider shows any of them."),
 }
 """by the names in code: the word people read, and the sentence that teaches it; `docs/glossary.md` lists them."""

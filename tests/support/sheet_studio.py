@@ -38,8 +38,8 @@ def engine_of(run: Run) -> Engine:
     return Engine(run.recipe, surface, bounds, BumpStylizer(count), LeverSimulator(count, run.recipe), run.store, run.lane)
 
 
-def impact_of(part, _recipe, _displacement, _memo, _progress, _normal) -> Impact:
-    count = len(part.surface.vertices)
+def impact_of(_simulator, simulation, _landing, _progress) -> Impact:
+    count = len(simulation.displacement)
     return Impact(np.linspace(0.0, 1.0, 3), np.zeros((3, count, 3), np.float32), np.ones((3, count), np.float32))
 
 

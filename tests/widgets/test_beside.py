@@ -114,7 +114,7 @@ def test_after_both_one_sentence_stands_over_the_panes_each_with_its_name_and_ba
     from mechstyle_widgets.studio import Studio  # noqa: PLC0415 — after the controller's patches
 
     monkeypatch.setattr("mechstyle_widgets.panels.mask_inspector._freedom", lambda run, _recipe: np.ones_like(run.part.thickness))
-    monkeypatch.setattr(Branches, "insight", lambda _: "Both look alike. 0.40 mm of Freestyle and 0.06 mm of MechStyle stay bent, landing flat; 0.20 mm is allowed.")
+    monkeypatch.setattr(Branches, "insight", lambda _: "Both look alike. Of both 0.06 mm stays bent, landing flat; 0.20 mm is allowed.")
     studio = Studio(done)
     studio.state.pinned = ("soft", 12)
     viewer = studio.viewer

@@ -39,7 +39,7 @@ def test_the_first_part_is_that_of_demo_and_lessons_in_their_style():
     wanted = studio.wanted()
     assert wanted.mesh is teaching.pawn()
     assert (wanted.vertices, wanted.name) == (len(teaching.pawn().vertices), "pawn")
-    lesson = teaching.settled(material="PETG", hardest_only=False, window=None)
+    lesson = teaching.settled(material="PETG", window=None)
     assert wanted.recipe.settings == lesson.settings
 
 

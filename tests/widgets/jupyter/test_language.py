@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 from mechstyle.errors import BadInput
+from mechstyle.records import Doubt, sentences
 from mechstyle.runs.recipes import draft
-from mechstyle.runs.report.replay_data import replay_data
 from mechstyle.runs.run import Run
 from mechstyle.runs.stylizers import finished_style
 from mechstyle.simulation.part import Shape
@@ -22,11 +22,11 @@ from mechstyle_widgets.jupyter import frame
 from mechstyle_widgets.jupyter.language import GERMAN, LANGUAGES, said, speak, word
 from mechstyle_widgets.jupyter.looks import family
 from mechstyle_widgets.jupyter.terms import terms
-from mechstyle_widgets.replay.scrubber import Cache
 from mechstyle_widgets.settings.thumbnail_buttons import PictureChoice
 from mechstyle_widgets.studio import Studio
 from mechstyle_widgets.timeline.timeline import Curves
 from support.german import MARKUP, english_in, plain
+from support.records import load_row, published_row, row, verdict
 
 
 @pytest.fixture(autouse=True)
@@ -132,7 +132,6 @@ def test_what_is_said_is_in_the_table(done, tmp_path):
     made.mask_inspector.use()
     made.branches.branch()
     found |= sentences_of(made) | {said(reason) for reason in REASONS}
-    found |= {frame.get("words", "") for frame in Cache(replay_data(made.run), {})._header["frames"]}
     strange = {text: english for text in found if (english := english_in(text))}
     assert strange == {}
 
@@ -140,10 +139,41 @@ def test_what_is_said_is_in_the_table(done, tmp_path):
 REASONS = (
     "every 4 iterations", "quadratic step 3² = 9", "exponential step 2^3 = 8", "late check after 80% of the iterations", "last iteration",
     "vertex 7 moved 0.31 mm, 12% of its 2.4 mm wall", "vertex 7 moved 9.1% of its 2.4 mm wall; its limit at demand 0.40 is 8.0%",
-    "correction: relief lowered around 12 overloaded vertices", "correction: the whole relief lowered", "correction: the relief removed",
-    "correction: half of what was too much given back", "correction: all that was held back given back",
+    "correction: relief lowered around 12 places that yield", "correction: cuts filled around 12 places that yield",
+    "correction: 50% of the whole relief", "correction: the relief removed", "correction: half of what was taken given back",
+    "correction: all that was held back given back",
 )  # fmt: skip
 """Why a part is tested, in all that schedules and corrections say."""
+
+
+TESTED = (
+    row(0.06), row(0.0, place=""), row(0.61, plastic_strain=0.07, cracks=True),
+    row(0.33, plain_permanent_set=0.3, allowed=0.35, outcome="NO WORSE"),
+    row(0.61, test="nearly flat", landing="tilted 3° onto the +x side", place="high up on the right"), load_row(), load_row(0.61),
+    row(0.12, place="low at the front left", plain_permanent_set=None, plain_plastic_strain=None),
+    load_row(0.0, outcome="FAILS", collapses=True, carries=0.4, place="halfway up"), published_row(), published_row(30.0),
+)  # fmt: skip
+"""A row of each kind that a verdict may have."""
+
+
+def test_every_verdict_is_said_in_german():
+    doubts = (
+        (Doubt(about="limit", value=0.99, test="flat", landing="flat"), Doubt(about="relief", value=0.4)),
+        tuple(Doubt(about="limit", value=0.99, test="nearly flat", landing=f"tilted 3° onto the {side} side") for side in ("+x", "-y")),
+        (Doubt(about="limit", value=0.99, test="load", load="coat"), Doubt(about="volume", value=0.05)),
+    )
+    found = [*map(verdict, TESTED), verdict(row(0.06), load_row()), verdict(measure=0)]
+    found += [verdict(row(0.19), doubts=one) for one in doubts]
+    told = [verdict.short for verdict in found] + [sentences.least(verdict) for verdict in found]
+    told += [line for verdict in found for line in sentences.in_full(verdict).split("\n")] + [sentences.carried(row) for row in TESTED]
+    told += [sentences.least_left("soft", verdict, {"main": "0.06 mm", "soft": "0.12 mm"}) for verdict in found if verdict.rows]
+    told += [sentences.side_by_side(("Freestyle", "MechStyle"), (one, found[0]), (1.0, kept)) for one in found for kept in (0.5, 0.95)]
+    speak("de")
+    texts = {said(one).replace("brick", "Ziegel").replace("coat", "Mantel") for one in told}
+    assert {text: english for text in texts if (english := english_in(text))} == {}
+    assert said(found[0].head) == (
+        "HÄLT einen Fall aus 1.5 m: schlimmstenfalls 0.06 mm bleibt verbogen, ganz oben, flach gelandet (glattes Teil 0 mm). Massives PLA."
+    )
 
 
 def test_terms_explain_themselves_in_german():
@@ -151,7 +181,7 @@ def test_terms_explain_themselves_in_german():
     spoken = terms()
     speak("de")
     german = terms()
-    assert german.keys() >= {"tiefe", "reserve", "spannung", "schritt", "ausnutzung"}
+    assert german.keys() >= {"tiefe", "toleranz", "spannung", "schritt", "ausnutzung"}
     texts = {key: f"{name}: {sentence} {MARKUP.sub(' ', picture)}" for key, (name, sentence, picture) in german.items()}
     assert {key: found for key, text in texts.items() if (found := english_in(text))} == {}
     assert len(german) > 0.9 * len(spoken)
@@ -161,7 +191,7 @@ def test_what_scripts_of_the_page_say_is_in_the_table():
     """The slider said "12 of 12" in a Studio in German."""
     scripts = [path.read_text(encoding="utf-8") for path in Path(jupyter.__file__).parents[1].rglob("*.js")]
     found = {one for text in scripts for one in re.findall(r'\b(?:say|speaking\(model\))\("([^"]+)"', text)}
-    assert found >= {"{} of {}", "iteration", "Play"}
+    assert found >= {"What the keys do", "slider"}
     assert {one for one in found if one not in GERMAN} == set()
 
 

@@ -346,18 +346,34 @@ def test_options_go_both_ways():
 
 def test_the_fall_is_written_with_its_unit_and_what_is_none_is_said_at_the_control():
     options = DropOptions()
-    assert options._height.value == "1.5 m"
-    options._height.value = "1,2 m"
-    assert (options.height, options._height.value, options.brief) == (1200.0, "1.2 m", "1.2 m, as it stands")
+    assert options._lengths["height"].value == "1.5 m"
+    options._lengths["height"].value = "1,2 m"
+    assert (options.height, options._lengths["height"].value, options.brief) == (1200.0, "1.2 m", "1.2 m, as it stands")
     for wrong, said in (("1.5", "a height of 1.5 would be 1.5 mm"), ("5 ft", "not in &#x27;ft&#x27;"), ("200 m", "between 1 mm and 100 m")):
-        options._height.value = wrong
+        options._lengths["height"].value = wrong
         assert said in options.trouble
-        assert (options.height, options._height.value) == (1200.0, wrong)
-    options._height.value = "4 cm"
+        assert (options.height, options._lengths["height"].value) == (1200.0, wrong)
+    options._lengths["height"].value = "4 cm"
     assert (options.trouble, options.height) == ("", 40.0)
     assert draft("brick", **options.settings).test.height == 40.0, "a small one is not asked about again"
     options.take(recipe(height=760.0))
-    assert options._height.value == "76 cm"
+    assert options._lengths["height"].value == "76 cm"
+
+
+def test_what_may_stay_bent_is_written_in_millimetres_and_what_is_none_is_said_at_the_control():
+    options = DropOptions()
+    box = options._lengths["tolerance"]
+    assert (box.description, box.value) == ("may be off by", "0.2 mm")
+    box.value = "350 µm"
+    assert (options.tolerance, box.value, draft("brick", **options.settings).test.tolerance) == (0.35, "0.35 mm", 0.35)
+    for wrong, said in (("0.2 m", "a tolerance is in mm or µm"), ("none", "as a tolerance"), ("900", "between 0.01 mm and 100 mm")):
+        box.value = wrong
+        assert said in options.trouble
+        assert (options.tolerance, box.value) == (0.35, wrong)
+    box.value = "0.5"
+    assert (options.trouble, options.tolerance, box.value) == ("", 0.5, "0.5 mm")
+    options.take(recipe(tolerance=0.1))
+    assert box.value == "0.1 mm"
 
 
 def test_python_may_set_the_fall_as_people_write_it():

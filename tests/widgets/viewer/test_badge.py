@@ -13,6 +13,7 @@ from mechstyle_widgets.viewer import badge
 from mechstyle_widgets.viewer.run_viewer import RunViewer
 from support.records import UNKNOWN, load_row, published_row, row, verdict
 
+
 def test_it_says_the_outcome_with_its_fall_and_what_the_test_that_decides_found():
     said = badge.judged(verdict(row(0.12)), kept="80% of the relief kept")
     assert "HOLDS a fall of 1.5 m" in said

@@ -13,6 +13,7 @@ ALSO = {
     "movement held back": "mask, restraint",
     "drops": "orientations, poses",
     "it lands": "orientations, poses",
+    "may be off by": "tolerance",
     "thinnest": "minimum_wall",
     "correct until it passes": "guarantee",
     "regions": "protect",
@@ -85,7 +86,7 @@ def _part(x: float, turned: float, fill: str) -> str:
     return f'<rect x="{x}" y="6" width="14" height="20" transform="rotate({turned} {x + 7} 16)" fill="{fill}" stroke="{INK}"/>'
 
 
-_FROM_ORIGINAL_TO_LIMIT = (_bar(4, 272, "none"), _bar(4, 110, FAINT), _limit(250), _word(4, "plain part"), _word(236, "limit"))
+_FROM_ORIGINAL_TO_LIMIT = (_bar(4, 272, "none"), _bar(4, 110, FAINT), _limit(250), _word(4, "plain part"), _word(236, "yields"))
 PICTURES = {
     "demand": _picture(*_FROM_ORIGINAL_TO_LIMIT, _bar(114, 56, ACCENT), _word(128, "style")),
     "headroom": _picture(*_FROM_ORIGINAL_TO_LIMIT, f'<path d="M116 16H248" stroke="{ACCENT}" stroke-width="4"/>', _word(142, "headroom")),

@@ -105,7 +105,9 @@ class MaskInspector(Section):
         settings = self.settings
 
         def made(run: Run, checkpoint: Checkpoint) -> Layer:
-            would_be = replace(RESTRAINT, name=LAYER, label="movement held back, what if", note="1 = might not move any further")
+            would_be = replace(
+                RESTRAINT, name=LAYER, title="what if", label="movement held back, what if", note="1 = might not move any further"
+            )
             return layer_of(would_be, would_be.made(self.mask(run, checkpoint, **settings)))
 
         return made

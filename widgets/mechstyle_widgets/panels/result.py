@@ -21,7 +21,7 @@ LANES = ("run", "outcome", "kept")
 
 
 class Result(Words):
-    """The steps of a run before there is one, then the table of falls of the lane on show and the outcome of every lane."""
+    """The steps of a run before there is one, then the table of tests of the lane on show and the outcome of every lane."""
 
     def __init__(self, state: StudioState) -> None:
         """Tell of what a state shows."""
@@ -76,9 +76,11 @@ class Result(Words):
 
 
 def of_verdict(verdict: Verdict) -> str:
-    """HTML of a verdict: its outcome in a sentence, the table of falls, and the doubt where there is one."""
+    """HTML of a verdict: its outcome in a sentence, the table of tests, how much it carries, and the doubt where there is one."""
     (headings, rows), doubt = sentences.tabulated(verdict), sentences.doubt(verdict)
     falls = table(headings, rows) if rows else ""
+    for carried in filter(None, map(sentences.carried, verdict.rows)):
+        falls += f'<div class="mechstyle-note">{escape(said(carried))}</div>'
     unsure = f'<div class="mechstyle-warning" role="status">{escape(said(doubt))}</div>' if doubt else ""
     return f"<div>{escape(said(verdict.head))}</div>{falls}{unsure}"
 

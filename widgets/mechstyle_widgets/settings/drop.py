@@ -189,7 +189,8 @@ class DropOptions(Section):
             self.complain(str(error))
         except traitlets.TraitError:
             what, how = {"height": ("a fall", "simulated"), "tolerance": ("a tolerance", "used")}[name]
-            self.complain(f"{what} of {change['new']} cannot be {how}: write one between {trait.write(trait.min)} and {trait.write(trait.max)}")
+            low, high = trait.write(trait.min), trait.write(trait.max)
+            self.complain(f"{what} of {change['new']} cannot be {how}: write one between {low} and {high}")
         else:
             self.complain("")
             self._write()

@@ -1,4 +1,4 @@
-"""The impact of an iteration, moment by moment: deformed as much as one likes, with the stress of that moment on it, to the shape it keeps."""
+"""The impact of an iteration, moment by moment, to the shape that stays: deformed as much as one likes, with the stress of that moment."""
 
 from __future__ import annotations
 

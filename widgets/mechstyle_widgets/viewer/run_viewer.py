@@ -41,7 +41,8 @@ class _Wish(NamedTuple):
 class RunViewer(Linked, Viewer):
     """The styled part at the iteration a state shows, with every field known there; the unstylized part may stand beside it.
 
-    The layer `stays_bent` shows it in the shape that stays after the test that decides, exaggerated. It follows the run directory it was made for; when the state opens another one, make another viewer.
+    The layer `stays_bent` shows it in the shape that stays after the test that decides, exaggerated. It follows the run directory it was
+    made for; when the state opens another one, make another viewer.
 
     `iteration`, `lane` and `layer` are those of the state, both ways.
 

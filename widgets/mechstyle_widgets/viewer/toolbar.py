@@ -12,7 +12,7 @@ import traitlets
 from mechstyle.pictures.camera import VIEWS
 from mechstyle.pictures.panels import Picture
 from mechstyle_widgets.jupyter.frame import unseen
-from mechstyle_widgets.jupyter.language import word
+from mechstyle_widgets.jupyter.language import said, word
 from mechstyle_widgets.jupyter.looks import lean, show
 from mechstyle_widgets.viewer.layers import STYLE, Layer
 
@@ -77,7 +77,7 @@ class Toolbar(ipywidgets.HBox):  # type: ignore[misc]  # ipywidgets has no types
 
     def offer(self, layers: Sequence[Layer], shown: str) -> None:
         """Offer the style and these layers, with one of them shown."""
-        options = [(word("style"), STYLE), *((word(layer.title), layer.name) for layer in layers)]
+        options = [(word("style"), STYLE), *((said(layer.title), layer.name) for layer in layers)]
         if tuple(self.choice.options) != tuple(options):
             self.choice.options = options
             self.choice.value = shown
