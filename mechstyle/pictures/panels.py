@@ -80,7 +80,8 @@ def bent_panel(surface: SurfaceMesh, simulation: Simulation, row: Row, *, title:
     values = quantity.of(simulation)
     factor = exaggeration(float(values.max()), surface.size)
     shape = surface.moved(surface.vertices + np.float32(factor) * bend)
-    return field_panel(shape, quantity, values, title=title, note=sentences.figures(row) + (f"; bend drawn × {factor}" if factor > 1 else ""))
+    drawn = f"; bend drawn × {factor}" if factor > 1 else ""
+    return field_panel(shape, quantity, values, title=title, note=sentences.figures(row) + drawn)
 
 
 def stress_note(surface: SurfaceMesh, stress: NDArray[Any], strength: float, row: Row | None) -> str:

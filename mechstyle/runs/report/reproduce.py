@@ -85,8 +85,10 @@ def _arguments(settings: dict[str, Any]) -> list[str]:
 
 def _recipes(run: LaneOfRun, history: Sequence[Entry]) -> dict[str, Recipe]:
     """The recipes of a lane, one after the other, by the digests they are stored under."""
-    in_force = run.store.lane(run.lane).recipe  # of a lane that was branched, but not carried on yet, no checkpoint has it
-    return {digest: run.store.recipe(digest) for digest in dict.fromkeys([*(entry.recipe for entry in history), in_force])}
+    found = {digest: run.store.recipe(digest) for digest in dict.fromkeys(entry.recipe for entry in history)}
+    if run.recipe not in found.values():
+        found[run.recipe.digest] = run.recipe  # branched, but not carried on yet
+    return found
 
 
 def settings_for(recipe: Recipe, start: Callable[..., Recipe]) -> dict[str, Any]:
