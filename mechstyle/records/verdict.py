@@ -85,7 +85,10 @@ class Row(msgspec.Struct, frozen=True, kw_only=True):
         if self.stress is not None and self.limit is not None:
             return self.stress / self.limit
         strain = self.plastic_strain / self.strain_limit if self.elongation else 0.0
-        return math.inf if self.collapses and self.outcome == "FAILS" else max(self.permanent_set / self.allowed, strain)
+        used = max(self.permanent_set / self.allowed, strain)
+        if self.collapses and self.outcome == "FAILS":  # what gives way later uses less, or no correction could see its effect
+            return max(used, 1.0) / min(max(self.carries or 0.0, 1e-6), 0.999)
+        return used
 
     @property
     def strain_limit(self) -> float:
@@ -97,9 +100,10 @@ class Row(msgspec.Struct, frozen=True, kw_only=True):
         """Whether the same test of the same part meshed again would pass or fail as well."""
         if self.stress is not None and self.limit is not None:
             return abs(math.log(self.limit / self.stress)) > math.log1p(LITERAL_REPEATS)
+        near = self.carries is not None and self.outcome != "NO WORSE" and abs(self.carries - 1.0) <= REPEATS_SHARE
         if self.collapses:
-            return True
-        bend = abs(self.permanent_set - self.allowed) > max(REPEATS, REPEATS_SHARE * self.allowed)
+            return not near
+        bend = not near and abs(self.permanent_set - self.allowed) > max(REPEATS, REPEATS_SHARE * self.allowed)
         limit, margin = self.elongation, REPEATS_SHARE * self.elongation
         strain = abs(self.plastic_strain - limit) > margin
         if self.strain_limit > limit:  # what excuses a crack is that of the original, which must be sure

@@ -238,13 +238,13 @@ class DropSimulator:
         return Landed(landing, shown, strain, bend, contact, *figures)
 
     def _named(self, morphed: Morphed, place: Place) -> str:
-        low, high = (tuple(map(float, end(morphed.tets.vertices, axis=0))) for end in (np.min, np.max))
+        low, high = (msgspec.convert(end(morphed.tets.vertices, axis=0).tolist(), Place) for end in (np.min, np.max))
         return place_in_words(place, low, high)
 
-    def _nothing(self, count: int) -> tuple[NDArray[np.float32], ...]:
+    def _nothing(self, count: int) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]]:
         """Stress, strain and bend of no test, for so many tests."""
-        vertices = len(self.part.surface.vertices)
-        return tuple(np.zeros((count, vertices, *more), np.float32) for more in ((), (), (3,)))
+        scalars = np.zeros((count, len(self.part.surface.vertices)), np.float32)
+        return scalars, scalars, np.zeros((*scalars.shape, 3), np.float32)
 
     # --- what is remembered ---
 
@@ -297,7 +297,7 @@ class DropSimulator:
         try:
             cases = self._static(body).loaded(
                 tets, test.material, across=test.across_layers, tolerance=test.tolerance, elastic=test.criterion == "paper",
-                device=self.device, progress=self.progress,
+                progress=self.progress,
             )  # fmt: skip
         except SimulationFailed as error:
             return UnderLoads((), *self._nothing(0), str(error))

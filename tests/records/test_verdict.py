@@ -201,6 +201,14 @@ def test_a_collapse_is_excused_by_that_of_the_original_alone():
     assert outcome({"flat": 0.0, "coat": (1.0, 0.0, True)}, gone) == "FAILS"
 
 
+def test_what_gives_way_later_uses_less_of_what_is_allowed_but_always_more_than_all():
+    """A correction looks at that: if all that gives way were as bad, no lowering would count."""
+    used = [load_row(2.0, collapses=True, carries=carries).used for carries in (None, 0.0, 0.1, 0.5, 0.9, 1.5)]
+    assert used == sorted(used, reverse=True)
+    assert used[2] > used[3] > used[4] > load_row(2.0).used
+    assert load_row(0.0, collapses=True, carries=1.0, outcome="FAILS").used > 1.0
+
+
 def test_a_row_has_the_figures_of_both_parts_and_the_worst_decides():
     judged = judge(a_part({"flat": 0.3, "direction 1": (0.1, 0.03), "coat": 0.5}), a_part({"flat": 0.28, "coat": 0.5}), asked("coat"))
     flat, edge, coat = judged.rows
@@ -237,6 +245,15 @@ def test_a_test_closer_to_its_limit_than_it_repeats_leaves_a_doubt(allowed, side
         assert judged.doubts == (() if sure else (Doubt(about="limit", test="flat", landing="flat", value=judged.deciding.used),))
         strain = BREAKS * (1.0 + side * share * REPEATS_SHARE)
         assert judge(a_part({"flat": (0.0, strain)}), None, asked()).sure is sure
+
+
+@pytest.mark.parametrize(("carries", "sure"), [(0.88, True), (0.92, False), (1.08, False), (1.12, True)])
+def test_a_load_that_a_little_more_or_less_would_turn_leaves_a_doubt(carries, sure):
+    """What collapses keeps its shape until then: 0 mm at .97 of what breaks it is not far from its limit."""
+    held, gone = load_row(0.0, carries=carries), load_row(2.0, carries=carries, collapses=True)
+    assert held.sure is gone.sure is sure
+    assert load_row(0.0, carries=carries, plastic_strain=0.2, outcome="FAILS").sure, "it cracks whatever it carries"
+    assert load_row(2.0, carries=carries, collapses=True, outcome="NO WORSE").sure
 
 
 def test_one_sure_failure_settles_it_and_of_failures_in_doubt_only_they_are_named():
