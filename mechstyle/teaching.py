@@ -1,4 +1,4 @@
-"""The part of demo, Studio and lessons, and helpers: a chess pawn whose neck decides, meshed regularly so that all see the same figures."""
+"""Parts of demo, Studio and lessons, and helpers: regular tetrahedra of their own, so that all see the same figures."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from scipy.interpolate import PchipInterpolator
 
 from mechstyle.pictures import fields
 from mechstyle.pictures.figure import Panel
-from mechstyle.pictures.panels import Picture, picture
-from mechstyle.records import Recipe, sentences
+from mechstyle.pictures.panels import Picture, bent_panel, field_panel, picture
+from mechstyle.records import Recipe, Row, sentences
 from mechstyle.records.mesh import Floats, TetMesh
 from mechstyle.runs.recipes import FREESTYLE, plan
 from mechstyle.runs.run import Run, begin
@@ -31,22 +31,32 @@ RINGS, LAYERS = (6, 18, 36), 36
 
 STYLE: Mapping[str, Any] = {"relief": 3.0, "side": "inwards", "feature": 9.0, "iterations": 40, "schedule": "stress"}
 """Settings of the Studio's first part, demo and lessons: bricks of 9 mm, cut 3 mm deep into the part."""
-LESSON: Mapping[str, Any] = {**STYLE, "hardest_only": True, "window": 0.2}
-"""Those of demo and lessons, as quick as `--quick`: a drop ends with its impact, as what comes after decides nothing here."""
 FLAT: Mapping[str, Any] = {"nearly_flat": False, "height": "3 m"}
 """What lessons of many runs change: one landing, which takes a second, and a fall as hard on the neck as the tilted ones from 1.5 m."""
 INK, BLUE, ORANGE, GREEN, GREY = "#1c1c1e", "#1f6fb4", "#d1610f", "#3d8a5f", "#b9bdc4"
 """Colours of the lessons' figures, which differ in grey as well."""
-TOP = 70.0
-"""End of every scale of stress in the lessons [MPa], so that equal stress has equal colour."""
 
 
 @cache
 def pawn() -> Model:
-    """The part of demo, Studio and lessons: its surface, with tetrahedra of its own."""
-    body = turned(PROFILE, RINGS, LAYERS)
+    """A chess pawn with a neck."""
+    return _model("pawn", turned(PROFILE, RINGS, LAYERS))
+
+
+@cache
+def trophy(stem: float = 12.0, head: float = 28.0) -> Model:
+    """A heavy head on a slender stem; their diameters [mm]."""
+    r, big, top = 0.5 * stem, 0.5 * head, 51.0
+    foot = ((17.0, 0.0), (18.0, 1.0), (18.0, 5.0), (16.0, 6.5), (r + 2.5, 8.0), (r, 12.0), (r, top))
+    centre = top + np.sqrt(2.0) * big - r  # a cone of 45°, which prints without support, runs into the ball
+    ball = tuple((big * np.cos(turn), centre + big * np.sin(turn)) for turn in np.linspace(-0.25 * np.pi, 0.37 * np.pi, 12))
+    return _model("trophy", turned((*foot, *ball), RINGS, LAYERS))
+
+
+def _model(name: str, body: TetMesh) -> Model:
+    """The surface of tetrahedra, with them."""
     surface = body.boundary
-    return Model(surface.vertices, surface.faces, name="pawn", origin=Origin(vertices=len(surface.vertices)), tets=body)
+    return Model(surface.vertices, surface.faces, name=name, origin=Origin(vertices=len(surface.vertices)), tets=body)
 
 
 @cache
@@ -105,7 +115,7 @@ def run(prompt: str = "brick", *, freely: bool = False, folder: str | Path = "ru
         prompt: The style.
         freely: Whether the style grows without feedback (Freestyle).
         folder: Where the runs of a lesson are kept; each has a folder of its own settings.
-        changes: Settings besides `LESSON`.
+        changes: Settings besides `STYLE`.
     """
     recipe = settled(prompt, freely=freely, **changes)
     name = hashlib.sha256(recipe.digest.encode()).hexdigest()[:8]
@@ -119,7 +129,7 @@ def flat(prompt: str = "brick", **given: Any) -> Run:
 
 def settled(prompt: str = "brick", *, freely: bool = False, **changes: Any) -> Recipe:
     """The recipe of a run of the pawn; arguments as for `run`."""
-    return plan(_ready(), prompt, **{**LESSON, **(FREESTYLE if freely else {}), **changes})
+    return plan(_ready(), prompt, **{**STYLE, **(FREESTYLE if freely else {}), **changes})
 
 
 Shown = Mapping[str, "Run | tuple[Run, int]"]
@@ -127,27 +137,41 @@ Shown = Mapping[str, "Run | tuple[Run, int]"]
 
 
 def stress(shown: Shown, title: str = "") -> Picture:
-    """Stress of parts side by side in the landing that is hardest for each, in one scale; what is beyond the limit is hatched.
+    """Stress of parts side by side in the worst test of each; what yields is hatched.
 
     Args:
         shown: Runs, or runs at an iteration, by the words that stand above them.
         title: Over all of them.
     """
     panels = []
-    for words, (one, iteration) in _at(shown):
-        limit = one.recipe.test.material.yield_strength
-        test, quantity = one.simulation(iteration), fields.stress(limit)
-        hardest = min(test.landings, key=lambda landing: landing.critical_height)
-        values = np.minimum(test.stress_of(landing=hardest.name), np.float32(hardest.stress))  # above it is less than the piece that counts
-        note, most = f"{hardest.name}: survives {sentences.length(hardest.critical_height)}", f"{hardest.stress:.1f} MPa"
-        shape = one.surface(iteration)
-        panels.append(Panel(shape, words, values, quantity.unit, quantity.label, (0.0, TOP), limit, note=note, most=most))
+    for words, (one, at) in _at(shown):
+        row, test = worst(one, at), one.simulation(at)
+        quantity = fields.stress(one.recipe.test.material.yield_strength, row)
+        panels.append(field_panel(one.surface(at), quantity, quantity.of(test), title=words, note=sentences.figures(row)))
     return picture(panels, title=title)
 
 
 def look(shown: Shown, title: str = "") -> Picture:
     """Styled parts side by side, in their colours; arguments as for `stress`."""
-    return picture([Panel(one.surface(at) if at else one.part.surface, words) for words, (one, at) in _at(shown)], title=title)
+    return picture(_looks(shown), title=title)
+
+
+def bent(shown: Shown, title: str = "") -> Picture:
+    """Styled parts side by side, each above what stays bent of it in its worst test, exaggerated; arguments as for `stress`."""
+    below = [bent_panel(one.surface(at), one.simulation(at), worst(one, at)) for _, (one, at) in _at(shown)]
+    return picture([*_looks(shown), *below], title=title, columns=len(below))
+
+
+def worst(one: Run, iteration: int) -> Row:
+    """The worst test of a run at an iteration that was tested; 0 is the part without a style, judged by itself."""
+    verdict = one.checkpoint(iteration).verdict if iteration else one.summary.plain
+    row = None if verdict is None else verdict.deciding
+    assert row is not None, "what is shown was tested"
+    return row
+
+
+def _looks(shown: Shown) -> list[Panel]:
+    return [Panel(one.surface(at) if at else one.part.surface, words) for words, (one, at) in _at(shown)]
 
 
 def _at(shown: Shown) -> list[tuple[str, tuple[Run, int]]]:
@@ -175,16 +199,15 @@ class Table:
 
 
 def table(runs: Mapping[str, Run]) -> Table:
-    """What each run came to: outcome, the fall it survives, the stress that decides, the style that is left, and its drops."""
+    """What each run came to: outcome, what stays bent in its worst test, the style that is left, and its tests."""
     rows = []
     for words, one in runs.items():
         verdict, summary = one.verdict, one.summary
         row = verdict.deciding
         assert row is not None, "a finished run was dropped"
-        height = "–" if row.height is None else sentences.length(row.height)
         outcome = sentences.marked(verdict.outcome, sure=verdict.sure)
-        rows.append((words, outcome, height, f"{row.stress:.1f}", f"{summary.kept:.0%}", len(summary.simulations)))
-    return Table(("run", "outcome", "survives", "stress [MPa]", "style kept", "drops"), rows)
+        rows.append((words, outcome, sentences.found(row), sentences.label(row), f"{summary.kept:.0%}", len(summary.simulations)))
+    return Table(("run", "outcome", "stays bent", "in the test", "style kept", "tests"), rows)
 
 
 def axes(width: float = 7.2, height: float = 2.9, **options: Any) -> Any:

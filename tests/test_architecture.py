@@ -24,7 +24,7 @@ TRACKED = [ROOT / line for line in _GIT.stdout.splitlines()]
 SOURCES = [path for folder in ("mechstyle", "widgets", "benchmarks") for path in sorted((ROOT / folder).rglob("*.py"))]
 IMPORTS = re.compile(r"^(?:from|import) (mechstyle[\w.]*)", re.MULTILINE)
 HEAVY = {"lxml", "manifold3d", "matplotlib", "networkx", "pytetwild", "rich", "scipy", "trimesh", "typer", "warp"}
-HEAVY |= {"IPython", "PIL", "distributed", "ipywidgets", "pandas", "plotly", "pyarrow", "pythreejs", "skimage", "torch", "transformers"}
+HEAVY |= {"IPython", "PIL", "distributed", "ipywidgets", "pandas", "plotly", "pythreejs", "skimage", "torch", "transformers"}
 
 
 def loaded_by(program: str) -> set[str]:

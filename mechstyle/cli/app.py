@@ -22,7 +22,7 @@ PANELS = {
     "Style and test": ("run", "freestyle", "branch", "simulate"),
     "Look at a run, take it out": ("log", "show", "report", "film", "export", "orient", "rerun", "gc"),
     "What there is to choose from": ("gallery", "styles", "materials", "protect", "weights", "doctor"),
-    "Lessons and research": ("demo", "class", "application", "ablation", "study"),
+    "Lessons and research": ("demo", "class", "study"),
 }
 """Every command, by the heading it has in the help."""
 

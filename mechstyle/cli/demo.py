@@ -1,4 +1,4 @@
-"""Commands for lessons: demo, application, class prepare, class collect."""
+"""Commands for lessons: demo, class prepare, class collect."""
 
 from __future__ import annotations
 
@@ -16,13 +16,12 @@ from mechstyle.cli.options import TYPED, Device, Json, Settings, Vertices, recip
 from mechstyle.cli.run import carry_out
 from mechstyle.errors import BadInput
 from mechstyle.records import sentences
-from mechstyle.records.mesh import STANDARD_VERTICES
 from mechstyle.records.recipe import described
 from mechstyle.records.written import length_of
 
 if TYPE_CHECKING:
+    from mechstyle.runs.run import Run
     from mechstyle.simulation.part import Model as Opened
-    from mechstyle.study.applications import Pair
 
 app = typer.Typer()
 
@@ -32,7 +31,7 @@ DEMO_VERTICES = 3_000
 
 @app.command("demo")
 @command
-@recipe_options("height")
+@recipe_options("height", "tolerance")
 def demo_command(
     *,
     settings: Settings,
@@ -48,74 +47,47 @@ def demo_command(
 
     if not model and vertices != DEMO_VERTICES:
         raise BadInput("--vertices is for a part of your own, because the pawn is meshed already: name one with --model, or leave it out")
-    asked, part = {**({} if model else teaching.LESSON), "prompt": prompt, **settings}, model or teaching.pawn()
-    tell(both_ways(part, asked, vertices, device, folder, quick=bool(model), as_json=as_json), folder, as_json=as_json)
-
-
-@app.command("application")
-@command
-@recipe_options("iterations", "orientations")
-def application_command(
-    name: Annotated[str, typer.Argument(metavar="[NAME]", help="Which; without it they are listed.")] = "",
-    *,
-    settings: Settings,
-    folder: Annotated[Path | None, typer.Option("--out", help="Folder for runs, picture and table; applications/NAME by default.")] = None,
-    vertices: Vertices = STANDARD_VERTICES,
-    device: Device = "auto",
-    as_json: Json = False,
-) -> None:
-    """Carry out an application of the published method, freely and with feedback, and compare the verdicts."""
-    from mechstyle.study.applications import APPLICATIONS, application_named  # noqa: PLC0415 — physics is loaded when something is run
-
-    if not name:
-        rows = table("application", "model", "style", "what it asks for")
-        for key, known in APPLICATIONS.items():
-            rows.add_row(key, f"gallery:{known.model}", f"“{known.prompt}”", known.about)
-        print_json({"applications": dict(APPLICATIONS)}) if as_json else out.print(rows)
-        return
-    chosen, where = application_named(name), folder or Path("applications") / name
-    settings |= {"prompt": chosen.prompt, "protect": list(chosen.protect)}
-    pair = both_ways(f"gallery:{chosen.model}", settings, vertices, device, where, as_json=as_json)
-    tell(pair, where, as_json=as_json)
+    asked, part = {**({} if model else teaching.STYLE), "prompt": prompt, **settings}, model or teaching.pawn()
+    tell(both_ways(part, asked, vertices, device, folder, as_json=as_json), folder, as_json=as_json)
 
 
 def both_ways(
-    model: str | Opened, settings: Settings, vertices: int, device: str, folder: Path, *, as_json: bool, quick: bool = False
-) -> Pair:
-    """Run a part freely and with feedback, with progress."""
+    model: str | Opened, settings: Settings, vertices: int, device: str, folder: Path, *, as_json: bool
+) -> dict[str, Run]:
+    """Run a part freely and with feedback, with progress; the runs by what they are called."""
     from mechstyle.runs.recipes import FREESTYLE  # noqa: PLC0415 — as above
-    from mechstyle.study.applications import Pair  # noqa: PLC0415
 
-    runs = []
+    runs = {}
     for label, freestyle in (("Freestyle", True), ("MechStyle", False)):
         if not as_json:
             name = model if isinstance(model, str) else f"a chess {model.name}"
             err.print(f"[bold]{label}[/]: {escape(name)} as “{escape(settings['prompt'])}”")
         where, own = folder / label.lower(), {name: value for name, value in settings.items() if not (freestyle and name in FREESTYLE)}
-        runs.append(carry_out(model, own, vertices, {}, device, where, freestyle=freestyle, quick=quick, as_json=as_json))
-    return Pair(*runs)
+        runs[label] = carry_out(model, own, vertices, {}, device, where, freestyle=freestyle, as_json=as_json)
+    return runs
 
 
-def tell(pair: Pair, folder: Path, *, as_json: bool) -> None:
-    """Write and print what the two runs came to; the table of falls stands last."""
-    files = pair.save(folder)
+def tell(runs: dict[str, Run], folder: Path, *, as_json: bool) -> None:
+    """Write and print what the two runs came to; the table of what stays bent stands last."""
+    from mechstyle.teaching import bent  # noqa: PLC0415 — as above
+
+    picture = str(bent({"plain": (runs["Freestyle"], 0), **runs}).save(folder / "comparison.png"))
     if as_json:
-        print_json({"freestyle": pair.free.summary, "mechstyle": pair.fed.summary, "files": files})
+        print_json({**{label.lower(): run.summary for label, run in runs.items()}, "files": {"comparison": picture}})
         return
-    runs = (("Freestyle", pair.free), ("MechStyle", pair.fed))
-    for label, run in runs:
+    for label, run in runs.items():
         out.print(f"{label}: 3MF {escape(run.summary.files['model'])}")
         for note in run.summary.notes:
             out.print(f"  [dim]note: {escape(note)}[/]")
-    out.print(f"picture: {escape(files['comparison'])}\ntable: {escape(files['table'])}\n")
-    for label, run in runs:
+    out.print(f"picture: {escape(picture)}\n")
+    for label, run in runs.items():
         out.print(f"{label}: {headline(run.verdict)}")
         if run.verdict.doubt:
             out.print(f"  {escape(run.verdict.doubt)}")
-    rows = table("test", "plain", *(label for label, _ in runs), "asked")
-    for cells in sentences.paired([run.verdict for _, run in runs]):
+    rows = table("test", "plain", *runs, "allowed")
+    for cells in sentences.paired([run.verdict for run in runs.values()]):
         rows.add_row(*map(in_colour, cells))
-    rows.add_row("style kept", "–", *(f"{run.summary.kept:.0%}" for _, run in runs), "–")
+    rows.add_row("style kept", "–", *(f"{run.summary.kept:.0%}" for run in runs.values()), "–")
     out.print()
     out.print(rows)
     out.print(f"next: {escape(activation())}mechstyle run YOUR_PART.stl --prompt brick")
@@ -139,7 +111,7 @@ IN_CLASS = 3_000
 
 @class_app.command("prepare")
 @command
-@recipe_options("iterations", "material", "height", "schedule", "nearly_flat", begins=False, others=True)
+@recipe_options("iterations", "material", "height", "tolerance", "schedule", "nearly_flat", begins=False, others=True)
 def prepare_command(
     models: Annotated[list[str], typer.Argument(metavar="MODEL...", help="Files (STL, OBJ, PLY, GLB, 3MF) or gallery:NAME.")],
     settings: Settings,

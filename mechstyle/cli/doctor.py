@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import importlib.metadata
 import importlib.util
-import os
 import platform
 import shutil
 from typing import Any
@@ -19,7 +18,7 @@ app = typer.Typer()
 EXTRAS = {
     "jupyter": ("the notebook interface", ("jupyterlab", "ipywidgets", "pythreejs", "plotly", "anywidget")),
     "clip": ("styles from any prompt (guidance clip) and the X-Mesh network", ("torch", "transformers", "safetensors")),
-    "study": ("studies on many machines (--scheduler) and tables as Parquet", ("distributed", "pyarrow")),
+    "study": ("studies on many machines (--scheduler)", ("distributed",)),
 }
 """What each extra is for, and its modules."""
 
@@ -49,9 +48,10 @@ def examined() -> dict[str, Any]:
     """Versions, devices and folders, and optional things that are not here: why one would want them, and how to get them."""
     from mechstyle._files import cache_folder  # noqa: PLC0415
     from mechstyle.fea.drop import available_devices  # noqa: PLC0415 — loads Warp
+    from mechstyle.fea.explicit import cores  # noqa: PLC0415
 
     packages = ("mechstyle", "numpy", "scipy", "trimesh", "manifold3d", "pytetwild", "warp-lang", "matplotlib")
-    versions = {"python": platform.python_version(), "cores": str(os.cpu_count())}
+    versions = {"python": platform.python_version(), "cores": str(cores())}
     versions |= {name: importlib.metadata.version(name) for name in packages}
     folder = cache_folder()
     size = sum(path.stat().st_size for path in folder.rglob("*") if path.is_file()) if folder.is_dir() else 0

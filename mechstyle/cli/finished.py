@@ -13,6 +13,7 @@ from mechstyle.cli.options import Device, Json
 from mechstyle.errors import BadInput
 from mechstyle.gallery import PREFIX
 from mechstyle.loop.store import Store, parse_address
+from mechstyle.records import sentences
 
 app = typer.Typer()
 
@@ -40,8 +41,9 @@ def rerun_command(
     else:
         out.print(escape(found.words))
         for one in found.differences:
-            stress = f"{one.test}: {one.before:.6g} MPa, again {one.again:.6g} MPa"
-            out.print(f"  iteration {one.iteration}: {one.verdict}, again {one.verdict_again}; {escape(stress)}")
+            unit = "MPa" if one.test == "published rule" else "mm"
+            figures = f"{one.test}: {one.before:.6g} {unit}, again {one.again:.6g} {unit}"
+            out.print(f"  iteration {one.iteration}: {one.verdict}, again {one.verdict_again}; {escape(figures)}")
         out.print(f"[dim]the repetition is in {escape(found.folder)}[/]")
     if not found.equal:
         raise SystemExit(EXIT_DIFFERS)
@@ -79,7 +81,7 @@ def orient_command(
     device: Device = "auto",
     as_json: Json = False,
 ) -> None:
-    """Rank ways up to print a part by what its layers bear in the drop and under loads, by overhang and by height."""
+    """Rank ways up to print a part by what stays bent of it with such layers, by overhang and by height."""
     from mechstyle.runs.orient import ways_up  # noqa: PLC0415 — loaded when wanted
     from mechstyle.runs.run import Run  # noqa: PLC0415
 
@@ -93,14 +95,15 @@ def orient_command(
     if as_json:
         print_json(found)
         return
-    rows = table("way up", "up", "stress, MPa", "of", "overhang, cm²", "height, mm", "on the bed, cm²")
+    rows = table("way up", "up", "stays bent", "of what is allowed", "overhang, cm²", "height, mm", "on the bed, cm²")
     for way in found.ways:
-        stress = "not known" if way.stress is None else f"{way.stress:.1f}"
+        bent = "not known" if way.permanent_set is None else sentences.bend(way.permanent_set)
+        used = "–" if way.used is None else f"{way.used:.0%}"
         up = ", ".join(f"{round(part, 2) + 0.0:g}" for part in way.up)
-        rows.add_row(way.name, up, stress, f"{way.limit:.1f}", f"{way.overhang / 100:.1f}", f"{way.height:.1f}", f"{way.base / 100:.1f}")
+        rows.add_row(way.name, up, bent, used, f"{way.overhang / 100:.1f}", f"{way.height:.1f}", f"{way.base / 100:.1f}")
     out.print(rows)
     out.print(f"\n{escape(found.layers)}")
-    alike = "stresses within a twentieth of the limit count as alike; then less overhang, then less height comes first"
+    alike = "what differs by less than a twentieth of what is allowed counts as alike; then less overhang, then less height comes first"
     out.print(f"[dim]{alike}; the part lands as before, only its layers lie otherwise; {found.drops} drop tests were run or recalled[/]")
 
 

@@ -48,10 +48,13 @@ def log_command(
         print_json({"directory": str(directory), "lanes": lanes})
         return
     for lane in lanes:
-        rows = table("iteration", "outcome", "stress", "reason", title=lane_title(lane))
+        rows = table("iteration", "outcome", "in the worst test", "reason", title=lane_title(lane))
         for line in lane.simulations:
             outcome = verdict_text(line.outcome, sure=line.sure)
-            rows.add_row(str(line.iteration), outcome, sentences.stress(line.stress, line.limit), escape(line.reason))
+            figures = sentences.stress(line.stress, line.limit)
+            if line.permanent_set is not None and line.allowed is not None:
+                figures = f"{sentences.bend(line.permanent_set)} of {sentences.bend(line.allowed)}"
+            rows.add_row(str(line.iteration), outcome, figures, escape(line.reason))
         out.print(rows)
         out.print()
 
@@ -74,7 +77,7 @@ def show_command(
         list[str] | None,
         typer.Option(
             "--field",
-            help="Show this instead of stress and mask: safety_factor, flat_stress, nearly_flat_stress, load_NAME, contact, thickness, …;"
+            help="Show this instead of stress and mask: stays_bent, demand, contact, thickness, stress_NAME of a test, …;"
             " may be given several times.",
         ),
     ] = None,
@@ -156,7 +159,7 @@ def report_export(place: Path, written: Exported) -> None:
     rows = table(str(place), "before", "written")
     rows.add_row("outcome", "", "not simulated" if verdict is None else verdict_text(verdict.outcome, sure=verdict.sure))
     if verdict is not None and verdict.deciding is not None:
-        rows.add_row("stress", "", escape(sentences.figures(verdict.deciding)))
+        rows.add_row("worst test", "", escape(sentences.figures(verdict.deciding)))
     rows.add_row("folded faces", "", str(q.folds))
     rows.add_row("crossing pairs of faces", str(q.crossings_before), str(q.crossings))
     rows.add_row("thinnest wall, mm", f"{q.thinnest_before:.2f}", f"{q.thinnest:.2f}")

@@ -5,7 +5,6 @@ from __future__ import annotations
 import functools
 import inspect
 from collections.abc import Callable
-from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from inspect import Parameter, Signature
@@ -18,7 +17,7 @@ from mechstyle.gallery import PREFIX, use_of
 from mechstyle.records.mesh import QUICK_VERTICES, STANDARD_VERTICES
 from mechstyle.records.recipe import CHAPTER_OF, DEFAULTS, OPTIONS, TYPES, described
 from mechstyle.records.regions import KINDS
-from mechstyle.records.written import length_of, written
+from mechstyle.records.written import READERS, written
 
 MACHINE = "Part and machine"
 """Heading of the options that are no settings; those that are stand under their chapter's name."""
@@ -32,7 +31,7 @@ Vertices = Annotated[int, OF_MACHINE(help=DETAIL)]
 RunVertices = Annotated[
     int | None, OF_MACHINE("--vertices", help=DETAIL, show_default=f"{STANDARD_VERTICES}; {QUICK_VERTICES} with --quick")
 ]
-Quick = Annotated[bool, OF_MACHINE("--quick", help="A first answer in about a minute: fewer vertices, fewer nearly flat landings.")]
+Quick = Annotated[bool, OF_MACHINE("--quick", help="A first answer in about a minute: the same tests of fewer vertices.")]
 Device = Annotated[str, OF_MACHINE(help="auto, cpu or cuda.")]
 Folder = Annotated[Path | None, OF_MACHINE("--out", help="Run directory; the same command goes on where it stopped.")]
 Others = Annotated[
@@ -73,7 +72,6 @@ class RecipeOption:
 
 TYPED: dict[str, RecipeOption] = {
     "prompt": RecipeOption(("--prompt", "-p"), hint="Not needed with --image.", default=""),
-    "amplitude": RecipeOption(kind=str, hint="With `run`, auto finds the deepest that holds."),
     "image": RecipeOption(kind=str),
     "projection": RecipeOption(("--project", "--projection")),
     "guidance": RecipeOption(hint="clip takes any prompt; see `mechstyle weights list`."),
@@ -82,6 +80,7 @@ TYPED: dict[str, RecipeOption] = {
         ("--material", "-m"), str, "One of the library (see `mechstyle materials`), or a .toml or .json file.", "PLA"
     ),
     "height": RecipeOption(kind=str, hint='In m, cm or mm, such as "1.5 m"; a bare number is in mm.'),
+    "tolerance": RecipeOption(kind=str, hint='In mm or µm, such as "0.2 mm".'),
     "build_direction": RecipeOption(kind=str),
     "loads": RecipeOption(("--load",), Path, "A .toml file, or gallery:NAME for the load of that model's use."),
     "protect": RecipeOption(
@@ -144,7 +143,7 @@ def _parameter(name: str, *, begins: bool) -> Parameter:
     shown = str(default)  # as it is typed
     if isinstance(default, bool):
         shown = f"--{'' if default else 'no-'}{name.replace('_', '-')}"
-    elif name == "height":
+    elif name in READERS:
         shown = written(default)
     option = typer.Option(
         ... if required else known.default if begins else None,
@@ -169,10 +168,9 @@ def _used(others: list[str] | None = None, **settings: Any) -> Settings:
     used = {name: value for name, value in settings.items() if value not in (None, [])}
     if str(used.get("loads", "")).startswith(PREFIX):
         used["loads"] = [use_of(str(used["loads"]))]
-    if "height" in used:
-        length_of(used["height"])  # refused before anything slow; its unit goes on to where settings are read
-    with suppress(KeyError, ValueError):  # what is neither a number nor auto is refused where settings are
-        used["amplitude"] = float(used["amplitude"])
+    for name, read in READERS.items():
+        if name in used:
+            read(used[name])  # refused before anything slow; its unit goes on to where settings are read
     if others:
         from mechstyle.runs.recipes import typed  # noqa: PLC0415 — physics is loaded when something is run
 

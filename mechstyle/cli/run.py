@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -21,17 +20,13 @@ from mechstyle.cli.options import (
     reads_a_part,
     recipe_options,
 )
-from mechstyle.records import sentences
 from mechstyle.records.landings import STANDARDS
 from mechstyle.records.mesh import QUICK_VERTICES, STANDARD_VERTICES
-from mechstyle.records.recipe import OF_FEEDBACK, OPTIONS, Recipe
+from mechstyle.records.recipe import OF_FEEDBACK, OPTIONS
 
 if TYPE_CHECKING:
-    from mechstyle.simulation.estimate import Estimate
     from mechstyle.simulation.part import Model as Opened
 
-AUTO = "auto"
-"""In place of an amplitude: the deepest that passes."""
 FREE = tuple(name for name in OPTIONS if name not in OF_FEEDBACK)
 
 app = typer.Typer()
@@ -48,10 +43,6 @@ def read_model(model: str | Opened, reading: Settings, *, quiet: bool) -> tuple[
     return mesh, mesh.name
 
 
-USUAL_TESTS = 5
-"""Tests that a schedule has besides the last, in the middle of the runs of docs/why-these-defaults.md."""
-
-
 def carry_out(
     model: str | Opened,
     settings: Settings,
@@ -66,15 +57,14 @@ def carry_out(
 ) -> Any:
     """Run a stylization with progress; the finished run, its part exported and pictured."""
     from mechstyle.fea.drop import resolve_device  # noqa: PLC0415 — physics is loaded when something is run
-    from mechstyle.runs.recipes import FREESTYLE, QUICK, draft, expected, idle  # noqa: PLC0415
+    from mechstyle.runs.recipes import draft, expected, idle  # noqa: PLC0415
     from mechstyle.runs.run import started  # noqa: PLC0415
+    from mechstyle.simulation.estimate import estimated  # noqa: PLC0415
     from mechstyle.styling.prompt import reading_of  # noqa: PLC0415
 
     if vertices is None:
         vertices = QUICK_VERTICES if quick else STANDARD_VERTICES
-    settings = {**QUICK, **settings} if quick else settings
-    deep = settings.get("amplitude") == AUTO
-    wanted = draft(**{**settings, "amplitude": None} if deep else settings, freestyle=freestyle)
+    wanted = draft(**settings, freestyle=freestyle)
     device = resolve_device(device)
     if not as_json and not wanted.style.stylizer and wanted.style.guidance == "offline":
         read = reading_of(wanted)
@@ -84,61 +74,26 @@ def carry_out(
         for warning in (*expected(wanted), *idle(settings, wanted)):
             err.print(f"[yellow]warning:[/] {escape(warning)}")
     mesh, name = read_model(model, reading, quiet=as_json)
-    if not as_json and not deep and device == "cpu":
-        err.print(f"[dim]{escape(foretold(wanted, vertices).words)}[/]")
-    limited: Sequence[str] = ()
+    if not as_json and device == "cpu":
+        err.print(f"[dim]{escape(estimated(wanted, vertices).words)}[/]")
     with progress_shown(wanted.schedule.iterations, quiet=as_json) as teller:
-        if deep:
-            tried = {**FREESTYLE, **settings} if freestyle else settings
-            wanted, *limited = at_its_deepest(wanted, mesh, tried, vertices, device, folder, teller)
         run = started(
             wanted, mesh, vertices=vertices, out=folder, name=name, device=device, stage=teller.stage, warn=teller.warn, beside=False
         )
         if wanted.delivery.strengthen and not as_json:
             err.print(f"[dim]part: {escape(run.part.notes[-1])}[/]")
-        if not as_json and device == "cpu" and not run.history:
-            from mechstyle.simulation.estimate import before_the_first_fall  # noqa: PLC0415
-
-            known = before_the_first_fall(run.simulator(run.recipe))
-            err.print(f"[dim]{escape(sentences.measured_out(known.falls, known.seconds))}[/]")
-        return finish(run, teller, limited)
+        return finish(run, teller)
 
 
-def foretold(wanted: Recipe, vertices: int) -> Estimate:
-    """The falls and the time of a run that has not begun, on this machine's processor."""
-    from mechstyle.simulation.estimate import estimated  # noqa: PLC0415 — physics is loaded when something is run
-
-    tests = 1 + (wanted.restraint.guarantee and wanted.schedule.when == "never") + (wanted.schedule.when != "never") * USUAL_TESTS
-    return estimated(
-        vertices, tests, height=wanted.test.height, iterations=wanted.schedule.iterations, orientations=wanted.test.orientations,
-        nearly_flat=wanted.test.nearly_flat, hardest_only=wanted.test.hardest_only, rough=wanted.test.rough,
-        element=wanted.test.element, window=wanted.test.window,
-    )  # fmt: skip
-
-
-def at_its_deepest(
-    wanted: Recipe, mesh: Any, settings: Settings, vertices: int, device: str, folder: Path | None, teller: Any
-) -> tuple[Recipe, str]:
-    """A recipe with the deepest relief that passes, found by trials in a folder beside the run's, and what limits it, in words."""
-    from mechstyle.runs.deepest import deepest  # noqa: PLC0415 — physics is loaded when something is run
-    from mechstyle.runs.folders import default_folder  # noqa: PLC0415
-
-    beside = folder or default_folder(wanted)
-    trials = beside.with_name(f"{beside.name}-depths")
-    found = deepest(mesh, **settings, vertices=vertices, device=device, stage=teller.stage, warn=teller.warn, out=trials)
-    err.print(f"[dim]amplitude: {escape(found.words)}[/]")
-    return wanted.with_settings(amplitude=found.amplitude), f"amplitude {AUTO}: {found.words}"
-
-
-def finish(run: Any, teller: Any, known: Iterable[str] = ()) -> Any:
-    """Carry a run on to its end, then export and picture the part; `known` is what its user should know besides, a sentence each."""
+def finish(run: Any, teller: Any) -> Any:
+    """Carry a run on to its end, then export and picture the part."""
     teller.stage("simulating the unstylized part")
     run.go(teller.event, teller.fraction)
     teller.stage("writing files")
     stem = f"{run.record.stem}-{run.lane}"
     model = run.store.root / f"{stem}.3mf"
     written = run.exported(model)
-    notes = (*known, *written.quality.warnings, written.printing.words)
+    notes = (*written.quality.warnings, written.printing.words)
     run.add_files({"model": model, "picture": run.show().save(run.store.root / f"{stem}.png")}, notes)
     return run
 

@@ -33,8 +33,8 @@ Original = Annotated[
 @command
 @reads_a_part
 @recipe_options(
-    "material", "height", "orientations", "poses", "nearly_flat", "standard", "build_direction", "criterion", "loads", "minimum_wall",
-    "window",
+    "material", "height", "tolerance", "orientations", "poses", "nearly_flat", "standard", "build_direction", "criterion", "loads",
+    "minimum_wall", "window",
 )  # fmt: skip
 def simulate_command(
     model: Model,
@@ -83,7 +83,7 @@ def _figures(dropped: PartTest, files: dict[str, str]) -> dict[str, Any]:
     return {
         "outcome": verdict.outcome,
         "doubts": verdict.doubts,
-        "safety_factor": verdict.safety_factor,
+        "tolerance": verdict.tolerance,
         "rows": verdict.rows,
         "words": verdict.words,
         "landings": simulation.landings,

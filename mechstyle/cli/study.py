@@ -1,4 +1,4 @@
-"""Commands that run many cells: ablation, which shows what each mechanism is worth, and study formative, evaluation, ablation, page."""
+"""Commands that run many cells: study formative, evaluation, ablation, page."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import typer
 from typer.core import TyperCommand
 
 from mechstyle.cli.console import EXIT_BAD_INPUT, command, escape, out, print_json, progress_shown, table
-from mechstyle.cli.options import MACHINE, READ_AS, Device, Json, Settings, Vertices, panel_of, recipe_options
+from mechstyle.cli.options import MACHINE, READ_AS, Device, Json, Settings, Vertices, recipe_options
 from mechstyle.records.mesh import STANDARD_VERTICES
 
 if TYPE_CHECKING:
@@ -46,24 +46,22 @@ def _crossed(option: str, words: str) -> Any:
     return typer.Option(option, help=words, rich_help_panel=CROSSED)
 
 
-ASKED = (
-    "drop: the fall alone; load: also the load of a model's use{} at 0.85 of what the plain part carries; deep: relief half the wall deep"
-)
-"""The conditions in words, with a place for what else names a load."""
+ASKED = "drop: the fall alone; load: also the load of a model's use at 0.85 of what the plain part carries; deep: relief half the wall deep"
 Words = list[str] | None
 Models = Annotated[Words, _crossed("--models", f"Gallery models or files, one after the other; by default all of the gallery. {READ_AS}")]
 Styles = Annotated[Words, _crossed("--styles", "Prompts; by default the six of the published study.")]
 Controls = Annotated[Words, _crossed("--controls", "By default linear, exponential and frozen.")]
 Schedules = Annotated[Words, _crossed("--schedules", "By default every, exponential, geometry and stress.")]
-Arms = Annotated[Words, _crossed("--arms", "freestyle, static, finish-first, masks, strengthened; by default all but the last.")]
-Conditions = Annotated[Words, _crossed("--conditions", f"{ASKED.format('')}. By default all.")]
+OF_ARMS = "freestyle, static, one-factor, finish-first, masks, strengthened; by default all but the last."
+Arms = Annotated[Words, _crossed("--arms", OF_ARMS)]
+Conditions = Annotated[Words, _crossed("--conditions", f"{ASKED}. By default all.")]
 Seeds = Annotated[list[int] | None, _crossed("--seeds", "Seeds of the style; by default 0.")]
 Out = Annotated[Path, typer.Option("--out", help="Folder for rows and runs; the same command goes on where it stopped.")]
 Jobs = Annotated[int, typer.Option(min=1, max=256, help="Processes side by side on this machine.", rich_help_panel=MACHINE)]
 Scheduler = Annotated[
     str, typer.Option(help="Address or file of a Dask scheduler, whose workers then run the cells.", rich_help_panel=MACHINE)
 ]
-shared = recipe_options("iterations", "material", "height", "orientations", "criterion", begins=False, others=True)
+shared = recipe_options("iterations", "material", "height", "tolerance", "orientations", "criterion", begins=False, others=True)
 
 
 @study_app.command("formative", cls=SeveralWords)
@@ -112,7 +110,7 @@ def page_command(
     words: Annotated[str, typer.Option("--note", help="A sentence on where the runs come from, for the top of the page.")] = "",
     as_json: Json = False,
 ) -> None:
-    """Make a page of studies: counts with intervals, tests, figures, and the table it is made from."""
+    """Make a page of studies: counts with intervals, figures, and the table it is made from."""
     from mechstyle.study.cells import read_table  # noqa: PLC0415
     from mechstyle.study.page import write_page  # noqa: PLC0415 — figures are loaded when wanted
 
@@ -135,8 +133,8 @@ def _factors(crossed: dict[str, Any], settings: Settings, vertices: int, device:
 def _carried_out(study: str, factors: Factors, folder: Path, jobs: int, scheduler: str, *, as_json: bool) -> None:
     """Walk over the cells, then keep the table and print what came of them."""
     from mechstyle.study.cells import write_table  # noqa: PLC0415
+    from mechstyle.study.figures import wilson  # noqa: PLC0415
     from mechstyle.study.grids import cells_of  # noqa: PLC0415 — as above
-    from mechstyle.study.statistics import wilson  # noqa: PLC0415
     from mechstyle.study.walk import walk  # noqa: PLC0415
 
     cells = cells_of(study, factors)
@@ -169,55 +167,6 @@ def _print_rest(rows: Sequence[Row], files: dict[str, str]) -> None:
             out.print(f"[yellow]{row.status}:[/] {escape(brief(row))}")
     for what, path in files.items():
         out.print(f"{what}: {escape(path)}")
-
-
-# --- ablation of a few parts
-
-
-@app.command("ablation")
-@command
-@recipe_options("iterations", "seed", "material", "height", "orientations", "poses", "loads", begins=False, others=True)
-def ablation_command(
-    models: Annotated[list[str], typer.Argument(metavar="MODEL...", help=f"Files (STL, OBJ, PLY, GLB, 3MF) or gallery:NAME. {READ_AS}")],
-    settings: Settings,
-    prompts: Annotated[
-        Words, typer.Option("--prompt", "-p", help="A style, in words. May be given several times.", rich_help_panel=panel_of("prompt"))
-    ] = None,
-    conditions: Annotated[Words, typer.Option(
-        "--condition", help=f"{ASKED.format(', or of --load,')}. By default drop. May be given several times.",
-        rich_help_panel=panel_of("material"),
-    )] = None,
-    arms: Annotated[
-        Words, typer.Option("--arm", help="freestyle, static, finish-first or masks; by default all. May be given several times.")
-    ] = None,
-    jobs: Annotated[int, typer.Option(min=1, max=256, help="Processes side by side.", rich_help_panel=MACHINE)] = 1,
-    vertices: Vertices = STANDARD_VERTICES, device: Device = "auto", folder: Out = Path("ablation"), as_json: Json = False,
-) -> None:  # fmt: skip
-    """Stylize parts with mechanisms taken away, and count what each is worth."""
-    from mechstyle.study.ablation import ablation  # noqa: PLC0415 — physics is loaded when something is run
-    from mechstyle.study.grids import ARMS  # noqa: PLC0415
-
-    wanted, under = prompts or ["brick"], conditions or ["drop"]
-    with progress_shown(len(models) * len(wanted) * len(under) * len(arms or ARMS), quiet=as_json) as teller:
-        teller.stage("running")
-        found = ablation(
-            models, wanted, folder, conditions=under, arms=arms or list(ARMS), vertices=vertices, device=device, jobs=jobs,
-            tell=lambda row: teller.step(escape(brief(row))), **settings,
-        )  # fmt: skip
-    files = found.save(folder)
-    if as_json:
-        print_json({"rows": list(found.rows), "files": files})
-    else:
-        headings, *lines = found.summary()
-        rows = table(*headings)
-        for line in lines:
-            rows.add_row(*line)
-        out.print(rows)
-        for sentence in found.against_the_twin():
-            out.print(escape(sentence))
-        _print_rest(found.rows, files)
-    if all(row.status == "refused" for row in found.rows):
-        raise SystemExit(EXIT_BAD_INPUT)
 
 
 def brief(row: Row) -> str:

@@ -23,7 +23,7 @@ Scalar = TypeVar("Scalar", bound=np.generic)
 STANDARD_VERTICES = 100_000
 """Vertices of a standardised surface by default, at most: see `simulation.part.standardised`."""
 QUICK_VERTICES = 2_000
-"""Vertices of a quick run: see `runs.recipes.QUICK`."""
+"""Vertices of a quick run, which has the same tests."""
 
 
 def frozen_array(values: ArrayLike, dtype: Any, shape: tuple[int | None, ...], name: str) -> NDArray[Any]:

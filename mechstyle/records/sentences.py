@@ -233,12 +233,6 @@ def planned(height: float, falls: int, seconds: float) -> str:
     return f"We let it fall from {written(height)}, in simulation, about {falls} times: about {duration(_rounded(seconds))}."
 
 
-def measured_out(falls: int, seconds: float) -> str:
-    """The tests before any correction, now that the tetrahedra are known, and how long they will take [s]."""
-    known = f"Its tetrahedra are known now: before any correction it falls about {falls} times"
-    return f"{known}, which takes about {duration(_rounded(seconds))}."
-
-
 def _rounded(seconds: float) -> float:
     """An estimate to one or two figures."""
     step = 5.0 if seconds < 90 else 60.0

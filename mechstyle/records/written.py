@@ -57,6 +57,10 @@ def tolerance_of(value: str | float) -> float:
     return tolerance
 
 
+READERS = {"height": length_of, "tolerance": tolerance_of}
+"""What reads a setting that is written with a unit."""
+
+
 def written(length: float) -> str:
     """A length [mm] as `length_of` reads it, to the last digit, in the unit that a person would use: 1500 is "1.5 m"."""
     for unit in ("m", "cm"):

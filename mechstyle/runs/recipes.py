@@ -11,13 +11,12 @@ import msgspec
 import numpy as np
 
 from mechstyle.errors import BadInput, unknown
-from mechstyle.records import SETTINGS, Recipe
+from mechstyle.records import SETTINGS, Recipe, written
 from mechstyle.records.landings import with_drops
 from mechstyle.records.load_cases import load_cases
 from mechstyle.records.material import Material, material_named
 from mechstyle.records.recipe import DEFAULTS, TYPES, direction_of
 from mechstyle.records.regions import regions
-from mechstyle.records.written import length_of
 from mechstyle.runs.images import digest_of
 from mechstyle.runs.stylizers import name_of, settled
 from mechstyle.simulation.part import Workpiece, fitted
@@ -30,9 +29,6 @@ PAPER: dict[str, Any] = {
     "schedule": "stress",
 }  # fmt: skip
 """The published method taken literally (Faruqi et al. 2025)."""
-
-QUICK: dict[str, Any] = {"until_sure": False, "hardest_only": True, "rough": True}
-"""What a quick run sets besides its QUICK_VERTICES: a first answer in about a minute on two cores, in a style that is all there."""
 
 MASKED = "stress"
 """Schedule that a control brings, unless one is asked for: a mask that nothing is simulated for never closes."""
@@ -58,16 +54,13 @@ def plan(part: Workpiece, prompt: str = "", material: str | Material = "PLA", *,
     return fitted(draft(prompt, material, freestyle=freestyle, **settings), part)
 
 
-def draft(
-    prompt: str = "", material: str | Material = "PLA", *, freestyle: bool = False, quick: bool = False, **settings: Any
-) -> Recipe:
+def draft(prompt: str = "", material: str | Material = "PLA", *, freestyle: bool = False, **settings: Any) -> Recipe:
     """A recipe for any part, so that a bad request is refused before anything slow is done.
 
     Args:
         prompt: The style, in words.
         material: A library name, a .toml/.json file, or a Material.
         freestyle: Whether to stylize without feedback.
-        quick: Whether it sets what `QUICK` does, unless that is given.
         settings: Settings of a recipe that are to differ from the defaults of the criterion chosen.
 
     Raises:
@@ -75,7 +68,7 @@ def draft(
     """
     given = _given({"material": material, **settings})
     paper = given.get("criterion") == "paper"
-    presets = {**(QUICK if quick else {}), **(PAPER if paper else {}), **(FREESTYLE if freestyle else {})}
+    presets = {**(PAPER if paper else {}), **(FREESTYLE if freestyle else {})}
     chosen = with_drops({**presets, **given})
     if chosen.get("control", "none") != "none":
         chosen.setdefault("schedule", MASKED)
@@ -109,8 +102,7 @@ def brought(settings: dict[str, Any], control: str) -> dict[str, Any]:
     `control` is the one in force, unless another is given.
     """
     given = with_drops(settings)
-    if "height" in given:
-        given["height"] = length_of(given["height"])
+    given |= {name: read(given[name]) for name, read in written.READERS.items() if name in given}
     if "criterion" not in given:
         return given
     paper = given["criterion"] == "paper"
@@ -123,17 +115,6 @@ def expected(recipe: Recipe) -> tuple[str, ...]:
     """What is known beforehand of a run by the published method, one sentence; nothing of any other."""
     restraint = recipe.restraint
     return (EXPECTED,) if recipe.test.criterion == "paper" and restraint.normalisation == "sigma_c" and restraint.feedback else ()
-
-
-def left_out(recipe: Recipe) -> tuple[str, ...]:
-    """What a recipe leaves out of its tests, a sentence each; nothing if all is in them."""
-    hardest = (
-        "of the nearly flat landings the styled part was dropped only in the two that are hardest for the plain part, and what is survived"
-        " there is estimated"
-    )
-    rough = "its drops were rough, so that a stress may be 15 % too high or too low, and of landings that mirror each other one was dropped"
-    test = recipe.test
-    return (*((hardest,) if test.hardest_only and test.nearly_flat else ()), *((rough,) if test.rough else ()))
 
 
 def idle(given: Mapping[str, Any], recipe: Recipe) -> tuple[str, ...]:
@@ -166,8 +147,8 @@ def typed(text: str) -> tuple[str, Any]:
     if not equals:
         raise BadInput(f"--set {text} gives no value: write NAME=VALUE, such as travel=0.2")
     check_settings({name: value})
-    if name == "height":
-        length_of(value)
+    if name in written.READERS:
+        written.READERS[name](value)
         return name, value  # its unit decides how it is read, wherever settings come in
     kind = TYPES[name]
     for read_value in (partial(msgspec.json.decode, value, type=kind), partial(msgspec.convert, value, kind, strict=False)):
@@ -198,7 +179,7 @@ def _built_in(value: Any) -> Any:
 
 READERS: dict[str, Callable[[Any], Any]] = {
     "material": lambda value: msgspec.convert(msgspec.to_builtins(material_named(value), enc_hook=_built_in), Material),
-    "height": length_of,
+    **written.READERS,
     "build_direction": direction_of,
     "loads": load_cases,
     "protect": regions,

@@ -31,7 +31,7 @@ from mechstyle.runs import images
 from mechstyle.runs.export import AS_USUAL, Exported, exported, known_fields
 from mechstyle.runs.folders import PartRecord, default_folder, folder_for
 from mechstyle.runs.printing import Printing
-from mechstyle.runs.recipes import changed, draft, expected, left_out
+from mechstyle.runs.recipes import changed, draft, expected
 from mechstyle.runs.session import Session
 from mechstyle.runs.stylizers import finished_relief, stylizer_for
 from mechstyle.runs.summary import Clock, Summary, summarise
@@ -212,7 +212,7 @@ class Run:
                 bounds, protected = bounds_for(part, recipe)
                 simulator = self.simulator(recipe, progress)
                 untangle = partial(untangled, part.surface, go_on=lambda: progress(0.0))
-                notes = (*expected(recipe), *left_out(recipe), *protected, *notes)
+                notes = (*expected(recipe), *protected, *notes)
                 engine = Engine(recipe, part.surface, bounds, stylizer, simulator, self.store, self.lane, untangle)
             with self.clock.stage("simulation of the unstylized part"):
                 _ = engine.simulator.baseline
@@ -294,7 +294,7 @@ def stylize(
         prompt: The style, in words: "brick", "small blue stones". With a picture (`image`) it says where and in what colour, if anything.
         material: A library name, a .toml/.json file, or a Material.
         freestyle: Whether to stylize without feedback.
-        quick: Whether to take fewer vertices and landings, as `runs.recipes.QUICK` says, for a first answer in about a minute.
+        quick: Whether to take fewer vertices, for a first answer in about a minute.
         vertices: Vertices of the standardised surface; by default STANDARD_VERTICES, or QUICK_VERTICES of a quick run.
         out: Run directory; by default one named by prompt and recipe under `mechstyle-runs`. The same recipe goes on where it stopped,
             another one goes into a folder beside it: see the run's `store.root`.
@@ -311,7 +311,7 @@ def stylize(
     Raises:
         BadInput: If the part, the prompt or a setting cannot be used, in one sentence.
     """
-    wanted = draft(prompt, material, freestyle=freestyle, quick=quick, **settings)
+    wanted = draft(prompt, material, freestyle=freestyle, **settings)
     if vertices is None:
         vertices = QUICK_VERTICES if quick else STANDARD_VERTICES
     return started(wanted, mesh, vertices=vertices, out=out, name=name, device=device, stage=stage, warn=logged).go(on_event)

@@ -1,1 +1,1 @@
-"""Many runs compared: the four applications of the paper."""
+"""Many runs compared: cells of a study, a class."""

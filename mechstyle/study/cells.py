@@ -2,8 +2,7 @@
 
 A row file is written aside and renamed, and named by the digest of what was asked for. Whoever walks over the cells skips those with a
 row, so an interrupted study goes on where it stopped, on one machine or on many that share a folder. Loads are scaled to a share of what
-the plain part carries, so that parts as different as a hook and a box are loaded as hard. All rows are one table: Parquet where pyarrow is
-installed, JSON where it is not.
+the plain part carries, so that parts as different as a hook and a box are loaded as hard.
 """
 
 from __future__ import annotations
@@ -12,10 +11,8 @@ import hashlib
 import math
 import os
 import traceback
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from importlib import import_module
-from importlib.util import find_spec
 from pathlib import Path
 from time import perf_counter
 from typing import Any, Literal
@@ -26,10 +23,10 @@ from mechstyle import __version__
 from mechstyle._files import exclusive, file_stem, write_whole
 from mechstyle.errors import BadInput, MechStyleError
 from mechstyle.fea.statics import StaticTest
-from mechstyle.fea.stressed_volume import LOADED, Walls, at_nodes, exceeded
 from mechstyle.gallery import PREFIX, addressed, load
 from mechstyle.geometry.remeshing.filling import VERSION as TETRAHEDRA
-from mechstyle.records import Recipe
+from mechstyle.loop.correction import NEAREST
+from mechstyle.records import Recipe, Verdict, sentences
 from mechstyle.records.load_cases import Load, LoadCase
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.runs.run import Run, started
@@ -42,8 +39,6 @@ Status = Literal["done", "refused", "failed"]
 class Row(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """One run in figures.
 
-    Heights are critical drop heights: how far the part may fall before a piece as large as a cube of 4 mm begins to yield.
-
     Attributes:
         part: The model.
         prompt: The style.
@@ -54,6 +49,7 @@ class Row(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True)
         amplitude: Half the relief's depth over local wall thickness; None for the depth that is the default.
         load: Name and size of its load cases, "" without any.
         fall: Height of the fall that is asked for [mm].
+        tolerance: The most that may stay bent [mm].
         seed: Seed of the style.
         iterations: Stylization iterations.
         vertices: Vertices of the standardised surface.
@@ -62,14 +58,13 @@ class Row(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True)
         outcome: HOLDS, NO WORSE, FAILS, UNKNOWN, or "" without a run.
         sure: Whether no doubt is left.
         doubt: Why the outcome is not sure, "" if it is.
-        decides: Test with the least reserve, "" if nothing could be tested.
-        reserve: What is survived in that test over what is needed; below 1 it fails.
-        flat_stress, nearly_stress: σ_V of the flat landing and of the worst nearly flat one, at the fall asked for [MPa].
-        flat_height, nearly_height: Critical drop height of the styled part in each [mm].
-        plain_flat_height, plain_nearly_height: Critical drop height of the plain part in each [mm].
-        load_factor, plain_load_factor: The least load factor, and the plain part's under the same load; None without loads.
-        published_factor: Yield strength over the largest stress at a point; the published rule asks for 1.
-        safety_factor: Least yield strength over σ_V of the tests that decide, None if that is not known.
+        decides: Name of the worst test, "" if nothing could be tested.
+        place: Where it stays bent most in that test, in words.
+        permanent_set: What stays bent in it [mm].
+        plain_permanent_set: The same of the plain part.
+        allowed: What may stay bent in it [mm].
+        plastic_strain: The most plastic strain in tension of all tests.
+        carries: Times its loads that the part carries within the tolerance, of the load it carries least of; None without loads.
         kept: Share of the style's relief that is left, by what can be seen of it.
         style_loss: Loss of the delivered surface.
         simulations: Simulations of the styled part.
@@ -91,6 +86,7 @@ class Row(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True)
     amplitude: float | None = None
     load: str = ""
     fall: float = 0.0
+    tolerance: float = 0.0
     seed: int = 0
     iterations: int = 0
     vertices: int = 0
@@ -100,17 +96,12 @@ class Row(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True)
     sure: bool = False
     doubt: str = ""
     decides: str = ""
-    reserve: float | None = None
-    flat_stress: float | None = None
-    nearly_stress: float | None = None
-    flat_height: float | None = None
-    nearly_height: float | None = None
-    plain_flat_height: float | None = None
-    plain_nearly_height: float | None = None
-    load_factor: float | None = None
-    plain_load_factor: float | None = None
-    published_factor: float | None = None
-    safety_factor: float | None = None
+    place: str = ""
+    permanent_set: float | None = None
+    plain_permanent_set: float | None = None
+    allowed: float | None = None
+    plastic_strain: float | None = None
+    carries: float | None = None
     kept: float = 0.0
     style_loss: float = 0.0
     simulations: int = 0
@@ -128,16 +119,6 @@ class Row(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True)
         """Whether the outcome is HOLDS or NO WORSE."""
         return self.outcome in ("HOLDS", "NO WORSE")
 
-    @property
-    def holds_flat(self) -> bool:
-        """Whether the part survives the fall that is asked for where it lands flat."""
-        return self.flat_height is not None and self.flat_height >= self.fall
-
-    @property
-    def passes_published(self) -> bool:
-        """Whether it passes the published rule: the largest stress at a point within the yield strength."""
-        return self.published_factor is not None and self.published_factor >= 1.0
-
 
 class Cell(msgspec.Struct, frozen=True, kw_only=True):
     """One run that a study asks for.
@@ -148,6 +129,7 @@ class Cell(msgspec.Struct, frozen=True, kw_only=True):
         recipe: All it asks for, before it is fitted to the part.
         vertices: Vertices of the standardised surface.
         condition: Name of what is asked of the part, one of `grids.CONDITIONS`.
+        one_factor: Whether the whole relief is then lowered by the largest factor that passes.
         load_share: Share of what the plain part carries that the loads of the recipe are scaled to; 0 leaves them as they are.
         folder: Its run directory under the study's folder; by default one named by its factors and key.
         device: `auto`, `cpu` or `cuda`.
@@ -159,6 +141,7 @@ class Cell(msgspec.Struct, frozen=True, kw_only=True):
     recipe: Recipe
     vertices: int
     condition: str = "drop"
+    one_factor: bool = False
     load_share: float = 0.0
     folder: str = ""
     device: str = "auto"
@@ -172,10 +155,11 @@ class Cell(msgspec.Struct, frozen=True, kw_only=True):
 
     @property
     def key(self) -> str:
-        """Digest of what decides the result: model, recipe, vertices, scale of loads, and this version's tetrahedra and physics."""
+        """Digest of what decides the result: all that is asked for, and this version's tetrahedra and physics."""
         version = f"{TETRAHEDRA}-{PHYSICS_VERSION}"
         asked = {
             "model": self.model, "recipe": self.recipe.digest, "vertices": self.vertices, "load_share": self.load_share, "version": version,
+            "one_factor": self.one_factor,
         }  # fmt: skip
         return hashlib.sha256(msgspec.json.encode(asked, order="sorted")).hexdigest()[:24]
 
@@ -197,8 +181,9 @@ class Cell(msgspec.Struct, frozen=True, kw_only=True):
         asked = self.recipe
         return Row(
             part=self.part, prompt=asked.style.prompt, arm=self.arm, condition=self.condition, control=asked.restraint.control,
-            schedule=asked.schedule.when, amplitude=asked.style.amplitude, fall=asked.test.height, seed=asked.style.seed,
-            iterations=asked.schedule.iterations, vertices=self.vertices, program=__version__, recipe=asked.digest, **figures,
+            schedule=asked.schedule.when, amplitude=asked.style.amplitude, fall=asked.test.height,
+            tolerance=asked.test.tolerance, seed=asked.style.seed, iterations=asked.schedule.iterations, vertices=self.vertices,
+            program=__version__, recipe=asked.digest, **figures,
         )  # fmt: skip
 
 
@@ -264,7 +249,8 @@ def carry_out(cell: Cell, folder: str | Path) -> Row:
 
 def _figures(cell: Cell, folder: Path) -> Mapping[str, Any]:
     try:
-        return figures_of(cell.run(folder))
+        run = cell.run(folder)
+        return {**figures_of(run), **(one_factor(run) if cell.one_factor else {})}
     except MechStyleError as error:
         return {"status": "refused", "refused": str(error)}
     except Exception as error:  # noqa: BLE001 — a study goes on; the reason is in the row, the traceback beside the runs
@@ -274,26 +260,10 @@ def _figures(cell: Cell, folder: Path) -> Mapping[str, Any]:
 
 def figures_of(run: Run) -> Mapping[str, Any]:
     """The figures of a finished run, as fields of a row."""
-    verdict, summary, decides = run.verdict, run.summary, run.verdict.deciding
-    hardest = min((row for row in verdict.rows if row.test == "load"), key=lambda row: row.survived, default=None)
-    flat, nearly, published = verdict.row("flat"), verdict.row("nearly flat"), verdict.published
+    summary = run.summary
     return {
         "load": "; ".join(map(words_of, run.recipe.test.loads)),
-        "outcome": verdict.outcome,
-        "sure": verdict.sure,
-        "doubt": verdict.doubt,
-        "decides": "" if decides is None else decides.test,
-        "reserve": None if decides is None else decides.reserve,
-        "flat_stress": None if flat is None else flat.stress,
-        "nearly_stress": None if nearly is None else nearly.stress,
-        "flat_height": None if flat is None else flat.height,
-        "nearly_height": None if nearly is None else nearly.height,
-        "plain_flat_height": None if flat is None else flat.original,
-        "plain_nearly_height": None if nearly is None else nearly.original,
-        "load_factor": None if hardest is None else hardest.factor,
-        "plain_load_factor": None if hardest is None else hardest.original,
-        "published_factor": None if published is None else published.factor,
-        "safety_factor": verdict.safety_factor,
+        **_judged(run.verdict),
         "kept": summary.kept,
         "style_loss": summary.style_loss,
         "simulations": len(summary.simulations),
@@ -303,46 +273,75 @@ def figures_of(run: Run) -> Mapping[str, Any]:
     }
 
 
-class LoadFactor(msgspec.Struct, frozen=True, kw_only=True):
-    """What a plain part carries of one load case: σ_V under it [MPa], and how many times the case before σ_V is the yield strength."""
+def _judged(verdict: Verdict) -> Mapping[str, Any]:
+    """A verdict, as fields of a row."""
+    worst = verdict.deciding
+    bent = {} if worst is None else {name: getattr(worst, name) for name in ("place", "permanent_set", "plain_permanent_set", "allowed")}
+    return {
+        "outcome": verdict.outcome,
+        "sure": verdict.sure,
+        "doubt": verdict.doubt,
+        "decides": "" if worst is None else sentences.label(worst),
+        "plastic_strain": max((row.plastic_strain for row in verdict.rows), default=None),
+        "carries": min((row.carries for row in verdict.rows if row.carries is not None), default=None),
+        **bent,
+    }
 
-    case: str
-    stress: float
-    factor: float
+
+def one_factor(run: Run) -> Mapping[str, Any]:
+    """What changes in a row where the whole relief is lowered by the largest factor that passes, found by halving to 1/16."""
+    simulator, relief, verdict = run.simulator(run.recipe), run.checkpoint().displacement, run.verdict
+    low, high, tests = (1.0 if verdict.passes else 0.0), 1.0, 0
+    if not verdict.passes:
+        verdict = simulator.judge(simulator.baseline)
+    while high - low > NEAREST:
+        factor = 0.5 * (low + high)
+        found = simulator.judge(simulator.simulate((relief * factor + 0.0).astype(relief.dtype), thorough=True))
+        low, high, verdict = (factor, high, found) if found.passes else (low, factor, verdict)
+        tests += 1
+    return {**_judged(verdict), "kept": low * run.summary.kept, "simulations": len(run.summary.simulations) + tests}
 
 
 def with_loads(recipe: Recipe, model: SurfaceMesh, vertices: int, *, share: float, folder: Path) -> Recipe:
-    """A recipe whose load cases are each a share of the load at which σ_V of the plain part is the yield strength.
+    """A recipe whose load cases are each a share of what the plain part carries within the tolerance.
 
-    The load factors of the plain part are kept in a folder, so that all runs of a study ask for the same load.
+    What it carries is kept in a folder, so that all runs of a study ask for the same load.
 
     Raises:
         BadInput: If the part or a case cannot be used.
         SimulationFailed: If the part cannot be meshed or the equations cannot be solved.
     """
-    asked = (model.digest, vertices, recipe.test.loads, recipe.test.material, recipe.test.element, recipe.test.across_layers)
+    test = recipe.test
+    asked = (model.digest, vertices, test.loads, test.material, test.element, test.across_layers, test.tolerance, PHYSICS_VERSION)
     name = hashlib.sha256(msgspec.json.encode(asked)).hexdigest()[:24]
     path = folder / f"{name}.json"
-    with exclusive(folder / "locks" / name, f"the load of {recipe.test.loads[0].name!r}", wait=True):
+    with exclusive(folder / "locks" / name, f"the load of {test.loads[0].name!r}", wait=True):
         try:
-            known = msgspec.json.decode(path.read_bytes(), type=tuple[LoadFactor, ...])
+            factors = msgspec.json.decode(path.read_bytes(), type=dict[str, float])
         except (OSError, msgspec.MsgspecError):
-            known = load_factors(recipe, model, vertices)
-            write_whole(path, msgspec.json.format(msgspec.json.encode(known), indent=1))
-    cases = tuple(scaled(case, share * one.factor) for case, one in zip(recipe.test.loads, known, strict=True))
-    return recipe.with_settings(loads=cases)
+            factors = load_factors(recipe, model, vertices)
+            write_whole(path, msgspec.json.format(msgspec.json.encode(factors), indent=1))
+    return recipe.with_settings(loads=tuple(scaled(case, share * factors[case.name]) for case in test.loads))
 
 
-def load_factors(recipe: Recipe, model: SurfaceMesh, vertices: int) -> tuple[LoadFactor, ...]:
-    """Load factors of a plain part, one for each load case of a recipe; arguments and errors as for `with_loads`."""
-    part = prepare(model, vertices=vertices)
-    test = recipe.test
-    responses = StaticTest(part.tets, test.loads, test.element).run(part.tets, test.material, test.across_layers)
-    weights, found = Walls(part.surface.vertices, part.thickness).weights(part.tets), []
-    for name, response in responses.items():
-        stress = exceeded(part.tets, at_nodes(part.tets, response.corners), weights, LOADED**3).stress
-        found.append(LoadFactor(case=name, stress=stress, factor=recipe.test.material.yield_strength / stress))
-    return tuple(found)
+MOST_TIMES = 8
+"""How often a load is raised to what a part is known to carry, to see whether it carries more."""
+
+
+def load_factors(recipe: Recipe, model: SurfaceMesh, vertices: int) -> dict[str, float]:
+    """Times each load case of a recipe that a plain part carries, by its name; arguments and errors as for `with_loads`."""
+    part, test, found = prepare(model, vertices=vertices), recipe.test, dict[str, float]()
+    for case in test.loads:
+        factor = 1.0
+        for _ in range(MOST_TIMES):
+            loaded = StaticTest(part.tets, (scaled(case, factor),), test.element).loaded(
+                part.tets, test.material, across=test.across_layers, tolerance=test.tolerance
+            )[case.name]
+            factor *= loaded.factor
+            if loaded.reached:
+                break
+        found[case.name] = factor
+    return found
 
 
 def scaled(case: LoadCase, factor: float) -> LoadCase:
@@ -372,79 +371,32 @@ def _size(load: Load) -> str:
     return f"{load.gravity:.3g} × its weight" if load.gravity is not None else f"{load.pressure:.3g} MPa"
 
 
-MEASURED = ("outcome", "sure", "flat_stress", "flat_height")
-"""Columns by which a table is known to be of critical drop heights."""
-FIELDS = Row.__struct_fields__
-
-
 def write_table(rows: Sequence[Row], path: Path) -> Path:
-    """Write rows to `path` with the suffix .parquet, or .json without pyarrow, and return it; it appears whole or not at all."""
-    pyarrow = _pyarrow()
-    if pyarrow is None:
-        target = path.with_suffix(".json")
-        write_whole(target, msgspec.json.format(msgspec.json.encode(list(rows)), indent=1))
-        return target
-    target, sink = path.with_suffix(".parquet"), pyarrow.BufferOutputStream()
-    from pyarrow import parquet  # noqa: PLC0415 — an extra
-
-    columns = {name: [getattr(row, name) for row in rows] for name in Row.__struct_fields__}
-    plain = {float: pyarrow.float64(), float | None: pyarrow.float64(), int: pyarrow.int64(), bool: pyarrow.bool_()}
-    fields = [(field.name, plain.get(field.type, pyarrow.string())) for field in msgspec.structs.fields(Row)]  # all else as text
-    parquet.write_table(pyarrow.table(columns, schema=pyarrow.schema(fields)), sink, compression="zstd")
-    write_whole(target, sink.getvalue().to_pybytes())
+    """Write rows to `path` with the suffix .json, and return it; it appears whole or not at all."""
+    target = path.with_suffix(".json")
+    write_whole(target, msgspec.json.format(msgspec.json.encode(list(rows)), indent=1))
     return target
 
 
 def read_table(source: str | Path) -> list[Row]:
-    """The rows of a study's folder, or of a table made of one, .parquet or .json.
+    """The rows of a study's folder, or of a table made of one.
 
     Raises:
         BadInput: If there are none, or the table is another's or of another measure.
     """
     path = Path(source)
-    if path.is_dir():
-        rows = Rows(path).all()
-        for row in [] if rows else sorted((path / "rows").glob("*.json")):  # is there one of another measure?
-            with suppress(OSError, msgspec.MsgspecError):
-                check_measure(path, msgspec.json.decode(row.read_bytes(), type=dict[str, Any]))
-    elif not path.is_file():
+    if not path.exists():
         raise BadInput(f"{path} does not exist: name the folder of a study, or its table")
-    else:
-        rows = _read(path)
+    try:
+        rows = Rows(path).all() if path.is_dir() else msgspec.json.decode(path.read_bytes(), type=list[Row])
+    except (msgspec.MsgspecError, OSError) as error:
+        raise BadInput(f"{path} is no table of a study, or of an older measure ({error}): run `mechstyle study` again") from error
     if not rows:
-        raise BadInput(f"{path} holds no rows of a study: name the folder that was its --out, or its table")
+        raise BadInput(f"{path} holds no rows of a study in mm: name the folder that was its --out, or its table, or run it again")
     return rows
 
 
-def check_measure(path: Path, columns: Iterable[str]) -> None:
-    """Refuse a table whose columns are not those of critical drop heights, with BadInput in one sentence."""
-    known = set(columns)
-    missing, strange = ([name for name in names if name not in others] for names, others in ((MEASURED, known), (sorted(known), FIELDS)))
-    if missing and known & set(FIELDS):
-        theirs = f", and has {', '.join(strange[:4])} instead" if strange else ""
-        raise BadInput(f"{path} is of another measure: it lacks the columns {', '.join(missing)}{theirs}; run the study again")
-
-
-def _read(path: Path) -> list[Row]:
-    try:
-        rows: list[Any]
-        if path.suffix == ".json":
-            rows = msgspec.json.decode(path.read_bytes(), type=list[dict[str, Any]])
-        elif _pyarrow() is None:
-            raise BadInput(f"{path} is Parquet, which needs pyarrow: pip install 'mechstyle[study]'")
-        else:
-            from pyarrow import parquet  # noqa: PLC0415 — an extra
-
-            rows = parquet.read_table(path).to_pylist()
-        for row in rows[:1]:
-            check_measure(path, row)
-        return msgspec.convert(rows, list[Row])
-    except (msgspec.MsgspecError, ValueError, OSError) as error:
-        if isinstance(error, BadInput):
-            raise
-        raise BadInput(f"{path} is no table of a study ({error}): make it again with `mechstyle study`") from error
-
-
-def _pyarrow() -> Any:
-    """The package, or None where it is not installed."""
-    return import_module("pyarrow") if find_spec("pyarrow") else None
+def markdown(lines: Sequence[tuple[str, ...]]) -> str:
+    """A table of headings and lines."""
+    ruled = [lines[0], tuple("---" for _ in lines[0]), *lines[1:]]
+    return "".join(f"| {' | '.join(line)} |\n" for line in ruled)

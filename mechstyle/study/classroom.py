@@ -21,11 +21,11 @@ from mechstyle.runs.recipes import draft
 from mechstyle.runs.report.reproduce import options, settings_for
 from mechstyle.runs.report.result import Result, read_result
 from mechstyle.runs.run import started
-from mechstyle.study.ablation import markdown
+from mechstyle.study.cells import markdown
 
 VERTICES, ITERATIONS = 3000, 60
 """Of a part in class: a run then takes about a minute on two cores."""
-COLUMNS = ("place", "who", "part", "style", "outcome", "survives", "style kept", "drops")
+COLUMNS = ("place", "who", "part", "style", "outcome", "stays bent", "in the test", "style kept", "tests")
 MOST = 1000
 """Reports of a class at most."""
 ESCAPED = str.maketrans({sign: f"\\{sign}" for sign in "\\|<>[]`*_"})
@@ -127,8 +127,8 @@ def _passes(result: Result) -> bool:
 
 def _cells(who: str, result: Result) -> tuple[str, ...]:
     outcome = sentences.marked(result.outcome, sure=result.sure)
-    survives = "–" if result.survives is None else sentences.length(result.survives)
-    return who, result.part, result.prompt, outcome, survives, f"{result.kept:.0%}", str(result.simulations)
+    bent = "–" if result.permanent_set is None else sentences.bend(result.permanent_set)
+    return who, result.part, result.prompt, outcome, bent, result.worst, f"{result.kept:.0%}", str(result.simulations)
 
 
 def as_file(handed: Handed, path: Path) -> Path:

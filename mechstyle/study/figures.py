@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy import stats
 
 from mechstyle.study.cells import Row
-from mechstyle.study.statistics import wilson
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -24,12 +24,18 @@ WIDE, DPI = 7.0, 200
 """Width of a figure across two columns [inch], dots per inch."""
 
 
+def wilson(count: int, total: int) -> tuple[float, float]:
+    """Wilson's score interval of a proportion at 95 % (Wilson 1927)."""
+    found = stats.binomtest(count, total).proportion_ci(0.95, method="wilson")
+    return float(found.low), float(found.high)
+
+
 def matrix(rows: Sequence[Row], title: str) -> bytes:
-    """Every part in every style: critical drop height of the flat landing [m], with a mark and a colour for the outcome, as PNG."""
+    """Every part in every style: what stays bent in the worst test [mm], with a mark and a colour for the outcome, as PNG."""
     from matplotlib.patches import Rectangle  # noqa: PLC0415 — loaded when a picture is wanted
 
     parts, styles = (list(dict.fromkeys(values)) for values in ([row.part for row in rows], [row.prompt for row in rows]))
-    page, (axes,) = sheet(WIDE, 0.9 + 0.24 * len(parts), DPI)
+    page, axes = _sheet(WIDE, 0.9 + 0.24 * len(parts))
     place = {(row.part, row.prompt): row for row in rows}
     for (y, part), (x, style) in ((one, other) for one in enumerate(parts) for other in enumerate(styles)):
         row = place.get((part, style))
@@ -45,13 +51,13 @@ def matrix(rows: Sequence[Row], title: str) -> bytes:
     axes.set_title(f"{title}, n = {sum(row.status == 'done' for row in rows)}", size=9, loc="left", weight="bold", pad=18)
     for side in axes.spines.values():
         side.set_visible(False)
-    return png(page)
+    return _png(page)
 
 
 def passing(rows: Sequence[Row], published: dict[str, float]) -> bytes:
     """Share of the runs of each arm that pass, with Wilson's interval, and the published value where there is one, as PNG."""
     arms = list(dict.fromkeys(row.arm for row in rows))
-    page, (axes,) = sheet(WIDE, 0.9 + 0.26 * len(arms), DPI)
+    page, axes = _sheet(WIDE, 0.9 + 0.26 * len(arms))
     for y, arm in enumerate(arms):
         done = [row for row in rows if row.arm == arm and row.status == "done"]
         if not done:
@@ -67,7 +73,7 @@ def passing(rows: Sequence[Row], published: dict[str, float]) -> bytes:
     _named(axes, arms)
     axes.set_xlim(-2, 100)
     axes.set_xlabel("passes [%], 95 % Wilson interval; open diamond: published", size=8)
-    return png(page)
+    return _png(page)
 
 
 def spread(rows: Sequence[Row], field: str, label: str, *, log: bool = False) -> bytes:
@@ -75,7 +81,7 @@ def spread(rows: Sequence[Row], field: str, label: str, *, log: bool = False) ->
     from matplotlib.ticker import LogLocator  # noqa: PLC0415 — loaded when a picture is wanted
 
     arms = list(dict.fromkeys(row.arm for row in rows))
-    page, (axes,) = sheet(WIDE, 0.9 + 0.26 * len(arms), DPI)
+    page, axes = _sheet(WIDE, 0.9 + 0.26 * len(arms))
     for y, arm in enumerate(arms):
         done = [row for row in rows if row.arm == arm and row.status == "done"]
         values = np.sort([float(getattr(row, field)) for row in done])
@@ -93,7 +99,7 @@ def spread(rows: Sequence[Row], field: str, label: str, *, log: bool = False) ->
         axes.xaxis.set_major_formatter("{x:g}")
         axes.xaxis.set_minor_formatter("")
     axes.set_xlabel(f"{label}; bar: median", size=8)
-    return png(page)
+    return _png(page)
 
 
 def _cell(row: Row) -> tuple[str, str]:
@@ -101,18 +107,18 @@ def _cell(row: Row) -> tuple[str, str]:
     if row.status != "done":
         return row.status, UNKNOWN
     mark, colour = OUTCOMES.get(row.outcome, ("?", UNKNOWN))
-    height = "–" if row.flat_height is None else f"{row.flat_height / 1000.0:.2f}"
-    return f"{height} {mark}" if row.sure or mark == "?" else f"{height} ({mark})", colour
+    bend = "–" if row.permanent_set is None else f"{row.permanent_set:.2f}"
+    return f"{bend} {mark}" if row.sure or mark == "?" else f"{bend} ({mark})", colour
 
 
-def sheet(width: float, height: float, dpi: int, columns: int = 1) -> tuple[Figure, list[Axes]]:
-    """A white sheet [inch] with axes side by side, in one scale upwards."""
+def _sheet(width: float, height: float) -> tuple[Figure, Axes]:
+    """A white sheet [inch] with axes."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: PLC0415 — as above
     from matplotlib.figure import Figure  # noqa: PLC0415
 
-    page = Figure(figsize=(width, height), dpi=dpi, facecolor="white", layout="constrained")
+    page = Figure(figsize=(width, height), dpi=DPI, facecolor="white", layout="constrained")
     FigureCanvasAgg(page)
-    return page, list(page.subplots(1, columns, sharey=True, squeeze=False)[0])
+    return page, page.subplots()
 
 
 def _named(axes: Axes, arms: Sequence[str]) -> None:
@@ -125,7 +131,7 @@ def _named(axes: Axes, arms: Sequence[str]) -> None:
         axes.spines[side].set_visible(False)
 
 
-def png(page: Figure) -> bytes:
+def _png(page: Figure) -> bytes:
     """A sheet as PNG."""
     buffer = io.BytesIO()
     page.savefig(buffer, format="png", metadata={"Software": "MechStyle"})

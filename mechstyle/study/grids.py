@@ -31,17 +31,20 @@ class Arm:
 
     about: str
     settings: Mapping[str, Any]
+    one_factor: bool = False
 
 
+STATIC: Mapping[str, Any] = {"schedule": "never", "guarantee": False}
 ARMS: Mapping[str, Arm] = MappingProxyType(
     {
         "freestyle": Arm("the published free method, the style alone", FREESTYLE),
-        "static": Arm("plain base and thinnest wall, no simulation before the end", {"schedule": "never", "guarantee": False}),
+        "static": Arm("plain base and thinnest wall, no simulation before the end", STATIC),
+        "one-factor": Arm("as static, then one factor on the whole relief, the largest that passes", STATIC, one_factor=True),
         "finish-first": Arm("no masks, corrections of the finished relief", {"schedule": "never", "guarantee": True}),
         "masks": Arm("masks while the relief grows, then corrections", {"schedule": "stress", "guarantee": True}),
     }
 )
-"""The arms by name; `static` is the twin without feedback of the two that follow it."""
+"""The arms by name; `static` is the twin without feedback of those that follow it."""
 
 STUDY_ARMS: Mapping[str, Arm] = MappingProxyType(
     {
@@ -158,7 +161,8 @@ def _under(factors: Factors, model: str, arm: str, condition: str, style: str, s
     asked = CONDITIONS[condition]
     loads = _loads(factors, model) if asked.load_share else ()
     cell = factors.cell(model, style, seed, arm, **{**asked.settings, "loads": loads, **STUDY_ARMS[arm].settings})
-    return msgspec.structs.replace(cell, condition=condition, load_share=asked.load_share)
+    one_factor = STUDY_ARMS[arm].one_factor
+    return msgspec.structs.replace(cell, condition=condition, load_share=asked.load_share, one_factor=one_factor)
 
 
 def _loads(factors: Factors, model: str) -> Any:

@@ -24,11 +24,11 @@ STYLED = (
     "--relief --side --feature --nozzle --inside "
     "--image --image-size --image-as --image-layout --project --projection "
     "--amplitude --clip --criterion --device --field --guidance --iterations --json --load --material -m --minimum-wall --orientations "
-    "--height --nearly-flat --no-nearly-flat --poses --prompt -p --protect --seed --set --standard --stylizer --window"
+    "--height --nearly-flat --no-nearly-flat --poses --prompt -p --protect --seed --set --standard --stylizer --tolerance --window"
 )
 STUDIED = (
     "--criterion --device --height --iterations --jobs --json --material -m --models --orientations --out --scheduler --seeds --set "
-    "--styles --vertices"
+    "--styles --tolerance --vertices"
 )
 READ = "--body --scale --size --unit --up"
 RESTRAINED = "--base --control --every --normalisation --schedule --threshold"
@@ -39,11 +39,8 @@ NAMES = {
     "branch": f"address --lane {STYLED} {RESTRAINED}",
     "simulate": f"model --build-direction {READ} "
     "--criterion --device --json --load --material -m --minimum-wall --orientations --original --out --poses --standard "
-    "--height --nearly-flat --no-nearly-flat --vertices --vtu --vtu-each --window",
-    "demo": "--device --height --json --model --out --prompt --vertices -p",
-    "ablation": "models --arm --condition --device --height --iterations --jobs --json --load --material -m --orientations --out --poses "
-    "--prompt -p --seed --set --vertices",
-    "application": "name --device --iterations --json --orientations --out --vertices",
+    "--height --nearly-flat --no-nearly-flat --tolerance --vertices --vtu --vtu-each --window",
+    "demo": "--device --height --json --model --out --prompt --tolerance --vertices -p",
     "log": "address --json",
     "show": "address --field --json --out",
     "export": "address --bands --bodies --colours --fields --format -f --json --out --palette --slicer",
@@ -54,7 +51,7 @@ NAMES = {
     "class": "",
     "class collect": "reports --height --json --out",
     "class prepare": "models --device --height --iterations --json --material -m --nearly-flat --no-nearly-flat --out --prompt -p "
-    "--schedule --set --vertices",
+    "--schedule --set --tolerance --vertices",
     "film": "addresses --frames --json --no-plain --out --plain --size",
     "report": "address --impact --json --out",
     "materials": "--json",
@@ -114,7 +111,7 @@ def test_no_prompt_is_needed_where_a_picture_may_stand_for_it_and_the_material_i
 
 def test_there_is_an_option_for_some_settings_of_every_command_that_runs_something():
     assert set(OPTIONS) < set(SETTINGS)
-    commands = {"ablation", "run", "freestyle", "branch", "simulate", "application", "protect"}
+    commands = {"run", "freestyle", "branch", "simulate", "protect"}
     commands |= {"study formative", "study evaluation", "study ablation", "class prepare"}
     assert {command for command, _ in GENERATED} == commands
 
@@ -166,6 +163,7 @@ def test_the_default_of_a_setting_is_the_recipes():
     assert f"[default: ({DEFAULTS['minimum_wall']})]" in told
     assert f"[default: ({DEFAULTS['control']})]" in told
     assert "[default: (1.5 m)]" in told
+    assert "[default: (0.2 mm)]" in told
     assert "[default: (--nearly-flat)]" in told
     assert "[default: (" not in shown("branch", "--help"), "there it is what the parent has"
 
@@ -237,6 +235,15 @@ def test_a_height_without_unit_that_would_be_a_few_millimetres_is_asked_about_be
     outcome = CliRunner().invoke(app, [command, *model, "--height", "1.5"])
     assert outcome.exit_code == 2
     assert 'a height of 1.5 would be 1.5 mm: write "1.5 m", "1.5 cm" or "1.5 mm"' in " ".join(outcome.output.split())
+
+
+@pytest.mark.parametrize("command", ["run", "freestyle", "simulate", "demo", "branch"])
+def test_a_tolerance_has_a_unit_and_a_bad_one_is_refused_before_anything_else(asked, command):
+    assert draft(**asked("run", "gallery:vase", "-p", "brick", "--tolerance", "150 µm")).test.tolerance == pytest.approx(0.15)
+    model = {"demo": ["--model", "gallery:none"], "branch": ["nowhere"]}.get(command, ["gallery:none"])
+    outcome = CliRunner().invoke(app, [command, *model, "--tolerance", "0.2 m"])
+    assert outcome.exit_code == 2
+    assert "a tolerance is in mm or µm, not in 'm': write \"0.2 mm\" or \"200 µm\"" in " ".join(outcome.output.split())
 
 
 def test_what_is_set_by_name_comes_last(asked):

@@ -9,7 +9,7 @@ from mechstyle.records import CONTROLS, POSES, Recipe
 from mechstyle.records.load_cases import Load, LoadCase, Support
 from mechstyle.records.material import LIBRARY, Material
 from mechstyle.records.regions import HalfSpace, Inside
-from mechstyle.runs.recipes import QUICK, brought, changed, check_settings, draft, expected, idle, left_out, plan, typed
+from mechstyle.runs.recipes import brought, changed, check_settings, draft, expected, idle, plan, typed
 
 WITHOUT_OUR_ADDITIONS = {"base": "free", "guarantee": False}
 
@@ -46,14 +46,6 @@ def test_freestyle_is_stylization_without_feedback(part):
     one = plan(part, "brick", freestyle=True)
     assert one == defaults(part, control="none", schedule="never", **WITHOUT_OUR_ADDITIONS)
     assert not one.restraint.feedback
-
-
-def test_a_quick_run_says_what_it_sets_and_leaves_out(part):
-    quick, usual = plan(part, "brick", quick=True), plan(part, "brick")
-    assert {name: value for name, value, _ in quick.differences(usual)} == QUICK
-    assert left_out(usual) == ()
-    assert ["only in the two that are hardest" in left_out(quick)[0], "rough" in left_out(quick)[1]] == [True, True]
-    assert plan(part, "brick", quick=True, hardest_only=False, until_sure=True, rough=False) == usual, "what is asked for goes before"
 
 
 def test_the_paper_criterion_brings_the_published_method(part):
@@ -209,6 +201,9 @@ def both_ways(part, settings):
         ({"height": 1.5}, 'a height of 1.5 would be 1.5 mm: write "1.5 m", "1.5 cm" or "1.5 mm"'),
         ({"height": "5 ft"}, "a height is in m, cm or mm, not in 'ft'"),
         ({"height": np.float64("nan")}, "a height of nan is no fall"),
+        ({"tolerance": "0.2 m"}, "a tolerance is in mm or µm, not in 'm'"),
+        ({"tolerance": 0}, "a tolerance of 0 is none"),
+        ({"tolerance": "200"}, "tolerance is 200, but must lie between 0.01 and 100"),
         ({"tilts": 3}, "unknown setting 'tilts': "),
     ],
     ids=str,

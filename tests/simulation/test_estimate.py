@@ -3,30 +3,25 @@
 import pytest
 
 from mechstyle.records import sentences
-from mechstyle.simulation.estimate import (
-    NEARLY_FLAT,
-    SECONDS_PER_STEP,
-    STEP,
-    Estimate,
-    before_the_first_fall,
-    estimated,
-    impact_times,
-    seconds_of_a_fall,
-)
-from support.dropped_block import simulator
-
-TRY = {"vertices": 4000, "tests": 5, "height": 1500.0, "iterations": 200, "cores": 2}
+from mechstyle.runs.recipes import draft
+from mechstyle.simulation.estimate import NEARLY_FLAT, SECONDS_PER_STEP, STEP, USUAL_TESTS, Estimate, estimated, seconds_of_a_fall
 
 
-def test_falls_are_those_of_the_plain_part_of_the_tests_on_the_way_and_of_the_last():
-    assert estimated(**TRY, nearly_flat=False).falls == 1 + 4 + 1
-    assert estimated(**TRY).falls == 2 * (1 + NEARLY_FLAT) + 4 * 3
-    assert estimated(**TRY, orientations=6).falls == 2 * (6 + NEARLY_FLAT) + 4 * 3
-    quick = estimated(**TRY, hardest_only=True, rough=True)
-    assert quick.falls == 1 + NEARLY_FLAT // 2 + 5 * 3
-    assert quick.seconds < estimated(**TRY, hardest_only=True).seconds < estimated(**TRY).seconds
-    known = [estimated(**TRY, nearly_flat=False, rough=rough, fall=3.0).seconds for rough in (False, True)]
-    assert known[0] == known[1], "a fall that was measured is as rough as the others"
+def of(vertices=4000, cores=2, fall=None, **settings):
+    return estimated(draft("brick", **settings), vertices, cores=cores, fall=fall)
+
+
+def test_plain_part_finished_relief_and_a_correction_fall_in_all_landings():
+    assert of(nearly_flat=False).falls == 3
+    assert of().falls == 3 * (1 + NEARLY_FLAT)
+    assert of(orientations=6).falls == 3 * (6 + NEARLY_FLAT)
+    assert of(freestyle=True).falls == 2 * (1 + NEARLY_FLAT), "which is not corrected"
+
+
+def test_on_the_way_it_falls_in_the_landings_that_steer():
+    assert of(schedule="stress").falls == of().falls + USUAL_TESTS * 3
+    assert of(schedule="every", every=20, iterations=200).falls == of().falls + 9 * 3
+    assert of(schedule="every", every=20, iterations=200, nearly_flat=False).falls == 3 + 9
 
 
 def test_time_is_tetrahedra_times_steps():
@@ -37,38 +32,15 @@ def test_time_is_tetrahedra_times_steps():
 
 
 def test_what_falls_took_on_this_machine_counts_more_than_the_estimate():
-    slow, quick = (estimated(**TRY, fall=seconds).seconds for seconds in (60.0, 0.1))
-    assert quick < estimated(**TRY).seconds < slow
+    assert of(fall=0.1).seconds < of().seconds < of(fall=60.0).seconds
 
 
-@pytest.mark.parametrize("more", [{"vertices": 8000}, {"tests": 9}, {"orientations": 20}, {"cores": 1}, {"window": 3.0}])
+@pytest.mark.parametrize("more", [{"vertices": 8000}, {"schedule": "stress"}, {"orientations": 20}, {"cores": 1}, {"window": 3.0}])
 def test_more_of_anything_takes_longer(more):
-    assert estimated(**{**TRY, **more}).seconds > estimated(**TRY).seconds
+    assert of(**more).seconds > of().seconds
 
 
 def test_it_is_one_sentence_in_round_figures():
     assert Estimate(1500.0, 8, 38.2).words == "We let it fall from 1.5 m, in simulation, about 8 times: about 40 s."
     assert sentences.planned(800.0, 30, 431.0) == "We let it fall from 80 cm, in simulation, about 30 times: about 7 min."
     assert sentences.planned(1500.0, 8, 0.4).endswith("about 5 s.")
-    assert sentences.measured_out(13, 38.2).endswith("it falls about 13 times, which takes about 40 s.")
-
-
-@pytest.mark.parametrize(("settings", "falls"), [
-    ({"orientations": 1}, 1 + 1),
-    ({"orientations": 3}, 2 * (3 + 1)),
-    ({"orientations": 1, "nearly_flat": True}, 2 * (9 + 1)),
-    ({"orientations": 1, "nearly_flat": True, "hardest_only": True}, 9 + 3),
-    ({"orientations": 1, "nearly_flat": True, "hardest_only": True, "rough": True}, 4 + 3),
-])  # fmt: skip
-def test_before_the_first_fall_the_very_tetrahedra_are_asked(block, memo, settings, falls):
-    sim = simulator(block, memo, **settings)
-    found = before_the_first_fall(sim, cores=1)
-    assert found.falls == falls
-    assert before_the_first_fall(sim, cores=4).seconds > 0.0
-    assert found.seconds > 0.0
-
-
-def test_a_nearly_flat_fall_is_followed_until_the_far_side_is_down(block, memo):
-    flat, tilted = impact_times(simulator(block, memo, window=None))
-    assert 0.05 < flat < tilted < flat + 0.5
-    assert impact_times(simulator(block, memo, window=0.1)) == (0.1, 0.1)

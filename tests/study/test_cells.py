@@ -1,15 +1,18 @@
 """One cell, one row: what is kept, what is read again, and what becomes of a run that breaks."""
 
+from types import SimpleNamespace
+
 import msgspec
+import numpy as np
 import pytest
 
-from mechstyle import records
 from mechstyle.errors import BadInput
 from mechstyle.runs.recipes import draft
 from mechstyle.study import cells as module
-from mechstyle.study.cells import Cell, Row, Rows, carry_out, figures_of
+from mechstyle.study.cells import Cell, Rows, carry_out, figures_of, one_factor
 from mechstyle.study.walk import walk
 from support.lanes import lane_on_a_sheet
+from support.records import load_row, row, verdict
 
 RUN = Cell.run
 
@@ -33,8 +36,8 @@ def runs(monkeypatch, tmp_path):
 
 def test_a_cell_is_named_by_all_that_decides_it_and_by_nothing_else():
     assert cell().key == cell(device="cpu", arm="other", folder="there").key
-    different = [cell("stone"), cell(vertices=1001), cell(model="gallery:vase"), cell(recipe=draft("brick", seed=1))]
-    assert len({one.key for one in [cell(), *different, cell(load_share=0.85)]}) == 6
+    different = [cell("stone"), cell(vertices=1001), cell(model="gallery:vase"), cell(recipe=draft("brick", seed=1)), cell(one_factor=True)]
+    assert len({one.key for one in [cell(), *different, cell(load_share=0.85)]}) == 7
 
 
 @pytest.mark.parametrize("version", ["PHYSICS_VERSION", "TETRAHEDRA"])
@@ -57,19 +60,19 @@ def test_what_has_a_row_is_only_read(runs, tmp_path):
 
 
 def test_a_row_that_a_killed_writer_broke_is_made_again(runs, tmp_path):
-    row = carry_out(cell(), tmp_path)
+    whole = carry_out(cell(), tmp_path)
     path = Rows(tmp_path).path(cell())
     path.write_bytes(path.read_bytes()[:40])
     assert Rows(tmp_path).all() == []
     again = carry_out(cell(), tmp_path)
     assert again.starts == 2
-    assert again.outcome == row.outcome
+    assert again.outcome == whole.outcome
 
 
 def test_a_part_that_cannot_be_used_is_a_row_with_its_reason(tmp_path):
-    row = carry_out(cell(model=str(tmp_path / "none.stl")), tmp_path)
-    assert row.status == "refused"
-    assert "none.stl" in row.refused
+    found = carry_out(cell(model=str(tmp_path / "none.stl")), tmp_path)
+    assert found.status == "refused"
+    assert "none.stl" in found.refused
 
 
 def test_what_was_refused_is_tried_again(runs, monkeypatch, tmp_path):
@@ -78,7 +81,7 @@ def test_what_was_refused_is_tried_again(runs, monkeypatch, tmp_path):
     with monkeypatch.context() as unpatched:
         unpatched.setattr(Cell, "run", RUN)
         assert carry_out(missing, tmp_path).status == "refused"
-    assert [row.status for row in walk([missing], tmp_path)] == ["done"]
+    assert [one.status for one in walk([missing], tmp_path)] == ["done"]
     assert Rows(tmp_path).of(missing).starts == 2
 
 
@@ -87,30 +90,54 @@ def test_a_run_that_breaks_is_a_row_and_its_traceback_is_kept(monkeypatch, tmp_p
         raise ZeroDivisionError("nothing left")
 
     monkeypatch.setattr(Cell, "run", broken)
-    row = carry_out(cell(), tmp_path)
-    assert (row.status, row.refused, row.outcome) == ("failed", "ZeroDivisionError: nothing left", "")
+    found = carry_out(cell(), tmp_path)
+    assert (found.status, found.refused, found.outcome) == ("failed", "ZeroDivisionError: nothing left", "")
     assert "nothing left" in (tmp_path / "failures" / f"{cell().key}.txt").read_text()
 
 
 def test_the_figures_are_those_of_the_run(tmp_path):
     run = lane_on_a_sheet(tmp_path / "run", gain=90.0)
-    found, flat, decides = figures_of(run), run.verdict.row("flat"), run.verdict.deciding
+    found, worst = figures_of(run), run.verdict.deciding
     assert (found["outcome"], found["sure"], found["doubt"]) == (run.verdict.outcome, run.verdict.sure, run.verdict.doubt)
     assert (found["kept"], found["style_loss"]) == (run.summary.kept, run.summary.style_loss)
-    assert (found["flat_stress"], found["flat_height"], found["plain_flat_height"]) == (flat.stress, flat.height, flat.original)
-    assert (found["decides"], found["reserve"]) == (decides.test, decides.reserve)
-    assert found["safety_factor"] == run.verdict.safety_factor
-    assert found["simulations"] == len(run.summary.simulations)
-    assert (found["load"], found["load_factor"], found["plain_load_factor"]) == ("", None, None)
+    bent = (worst.permanent_set, worst.plain_permanent_set, worst.allowed, worst.place)
+    assert (found["permanent_set"], found["plain_permanent_set"], found["allowed"], found["place"]) == bent
+    assert (found["decides"], found["simulations"]) == (worst.landing, len(run.summary.simulations))
+    assert (found["load"], found["carries"]) == ("", None)
 
 
-def test_of_several_loads_the_one_with_the_least_factor_is_in_the_row(tmp_path, monkeypatch):
+def test_the_worst_of_several_tests_is_in_the_row(tmp_path, monkeypatch):
     run = lane_on_a_sheet(tmp_path / "run", gain=50.0)
-    load = {"test": "load", "outcome": "HOLDS", "stress": 20.0, "limit": 45.6, "asked": 1.0, "decides": True}
-    cases = (records.Row(load="pulled", factor=1.8, original=2.5, **load), records.Row(load="pushed", factor=1.2, original=2.0, **load))
-    verdict = msgspec.structs.replace(run.verdict, rows=(*run.verdict.rows, *cases))
-    monkeypatch.setattr(type(run), "verdict", verdict)
-    assert (figures_of(run)["load_factor"], figures_of(run)["plain_load_factor"]) == (1.2, 2.0)
+    loads = (load_row(0.05, load="pulled", carries=1.8), load_row(0.19, load="pushed", carries=1.2, plastic_strain=0.01))
+    monkeypatch.setattr(type(run), "verdict", verdict(row(0.06, plastic_strain=0.02), *loads))
+    found = figures_of(run)
+    assert (found["decides"], found["permanent_set"], found["carries"], found["plastic_strain"]) == ("load pushed", 0.19, 1.2, 0.02)
+
+
+@pytest.mark.parametrize(("passes_up_to", "left", "tests"), [(0.3, 0.25, 4), (1.0, 1.0, 0), (0.0, 0.0, 4)])
+def test_one_factor_is_the_largest_that_passes_by_sixteenths(passes_up_to, left, tests):
+    relief, tried = np.array([0.0, -2.0], np.float32), []
+
+    class Simulator:
+        baseline = np.zeros(2, np.float32)
+
+        def simulate(self, displacement, *, thorough):
+            assert thorough
+            tried.append(displacement)
+            return displacement
+
+        def judge(self, displacement):
+            return verdict(row(0.1 if displacement[1] >= -2.0 * passes_up_to else 0.3))
+
+    summary = SimpleNamespace(kept=0.8, simulations=(1,))
+    run = SimpleNamespace(
+        simulator=lambda _: Simulator(), recipe=None, checkpoint=lambda: SimpleNamespace(displacement=relief), summary=summary,
+        verdict=Simulator().judge(relief),
+    )  # fmt: skip
+    found = one_factor(run)
+    assert (found["kept"], found["simulations"], found["outcome"]) == (pytest.approx(0.8 * left), 1 + tests, "HOLDS")
+    assert len(tried) == tests
+    assert all(one.dtype == np.float32 for one in tried)
 
 
 def test_loads_are_scaled_in_the_study_folder_before_a_run_begins(monkeypatch, tmp_path):
@@ -146,15 +173,6 @@ def test_a_run_goes_where_the_cell_says(monkeypatch, tmp_path):
     cell(arm="stress × frozen").run(tmp_path)
     assert asked["out"].parent == tmp_path / "runs"
     assert asked["out"].name.startswith("wall_hook-brick-drop-stress-frozen-")
-
-
-def test_the_published_rule_and_the_outcome_are_not_the_same():
-    row = Row(part="a", prompt="b", arm="c", outcome="NO WORSE", fall=1500.0, flat_height=1400.0, published_factor=1.1)
-    assert (row.passes, row.holds_flat, row.passes_published) == (True, False, True)
-    fails = Row(part="a", prompt="b", arm="c", outcome="FAILS", fall=1500.0, flat_height=1600.0, published_factor=0.9)
-    assert (fails.passes, fails.holds_flat, fails.passes_published) == (False, True, False)
-    unknown = Row(part="a", prompt="b", arm="c", outcome="UNKNOWN")
-    assert (unknown.passes, unknown.holds_flat, unknown.passes_published) == (False, False, False)
 
 
 def test_a_row_of_another_measure_is_made_again(runs, tmp_path):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -14,6 +13,7 @@ import traitlets
 from numpy.typing import NDArray
 
 from mechstyle.errors import BadInput, MechStyleError
+from mechstyle.fea.explicit import cores
 from mechstyle.gallery import PREFIX
 from mechstyle.loop.store import parse_address
 from mechstyle.records import SETTINGS, Recipe, sentences
@@ -450,12 +450,8 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         run, taken = self.run, self.state.seconds_of_a_test
         fall = None
         if run is not None and taken is not None and len(run.part.surface.vertices) == vertices:
-            fall = taken / math.ceil(landings_on_the_way(self.state.settings) / (os.cpu_count() or 1))
-        found = estimated(
-            vertices, len(plan.places), height=recipe.test.height, iterations=recipe.schedule.iterations,
-            orientations=recipe.test.orientations, nearly_flat=recipe.test.nearly_flat, element=recipe.test.element,
-            window=recipe.test.window, fall=fall,
-        )  # fmt: skip
+            fall = taken / math.ceil(landings_on_the_way(self.state.settings) / cores())
+        found = estimated(recipe, vertices, fall=fall)
         self.state.outlook, self.state.expected = found.words, found.seconds
 
     # what the page tells
