@@ -18,10 +18,24 @@ from mechstyle.fea.backends.gpu import DeviceBody
 from mechstyle.fea.discretisation import Discretisation, discretise
 from mechstyle.fea.elasticity import LAWS, element_frequencies, law_named
 from mechstyle.fea.elements import element_named
-from mechstyle.fea.explicit import FLOW, QUANTITIES, RECORD_EVERY, STATE, STRAIN, TENSION, Body, Progress, Scheme, damped_step, no_progress
+from mechstyle.fea.explicit import (
+    FLOW,
+    QUANTITIES,
+    RECORD_EVERY,
+    STATE,
+    STRAIN,
+    TENSION,
+    Body,
+    Progress,
+    Scheme,
+    damped_step,
+    no_progress,
+    step_shares,
+)
 from mechstyle.fea.flight import RigidBody
 from mechstyle.fea.linear_solvers import lowest_period
-from mechstyle.fea.phases import QUIET_TIME, Rule, Track, follow, longest
+from mechstyle.fea.permanent_set import Springback
+from mechstyle.fea.phases import QUIET_TIME, Rest, Rule, Track, follow, longest
 from mechstyle.records.material import Material
 from mechstyle.records.mesh import Floats, Indices, TetMesh, frozen_array
 
@@ -105,6 +119,8 @@ class Drop:
         plastic_strain: Equivalent plastic strain ε_p when it was over, of the same shape.
         tension_strain: The part ε_t of it that was gathered in tension, where the mean stress is above −σ_vM/3, of the same shape.
         flow: A = C_p⁻¹ − I then as xx yy zz xy yz zx, shape [orientations, tet_count, points, 6].
+        permanent: What stays bent: displacement of the vertices without motion as a whole [mm], shape [orientations, vertex_count, 3]; zero
+            for a vertex that no tetrahedron uses.
         contact: Whether a vertex met the floor in any phase, shape [orientations, vertex_count].
         time_step: Δt [ms].
         steps: Steps of the orientation that took most; of a drop that was not started, the least it would take.
@@ -119,6 +135,7 @@ class Drop:
     plastic_strain: NDArray[np.float32]
     tension_strain: NDArray[np.float32]
     flow: NDArray[np.float32]
+    permanent: NDArray[np.float32]
     contact: NDArray[np.bool_]
     time_step: float
     steps: int
@@ -134,6 +151,7 @@ class Drop:
         for name in ("von_mises", "plastic_strain", "tension_strain"):
             object.__setattr__(self, name, frozen_array(getattr(self, name), np.float32, shape, name))
         object.__setattr__(self, "flow", frozen_array(self.flow, np.float32, (*shape, FLOW), "flow"))
+        object.__setattr__(self, "permanent", frozen_array(self.permanent, np.float32, (shape[0], None, 3), "permanent"))
         object.__setattr__(self, "contact", frozen_array(self.contact, np.bool_, (len(self.von_mises), None), "contact"))
 
 
@@ -161,7 +179,7 @@ def drop(
     Raises:
         BadInput: Unusable tetrahedra, directions or device name.
         MissingPiece: CUDA was asked for and is not there.
-        SimulationFailed: If the lowest period cannot be worked out.
+        SimulationFailed: If the lowest period, or what stays bent, cannot be worked out.
     """
     normals = _unit(directions)
     where = resolve_device(device)
@@ -190,7 +208,8 @@ def tracks_for(
         period = lowest_period(discretisation)
     scheme = scheme_for(discretisation, material, test, period)
     rule, body = Rule(test.speed, period or 0.0, test.window, test.quiet), RigidBody.of(discretisation, scheme.gravity)
-    return [Track(normal, body, scheme, rule) for normal in normals], scheme
+    rest = Rest(discretisation, scheme, Springback(discretisation))
+    return [Track(normal, body, scheme, rule, rest) for normal in normals], scheme
 
 
 def body_on(where: str, discretisation: Discretisation) -> Body:
@@ -241,7 +260,8 @@ def scheme_for(discretisation: Discretisation, material: Material, test: DropTes
     else:
         raise BadInput("a drop without a window ends by the lowest period of the part: give one of the two")
     strength, hardening = (material.yield_strength, material.hardening) if test.plastic else (math.inf, 0.0)
-    return Scheme(law, step, damping, GRAVITY, test.friction, test.speed, stride, samples, test.across, strength, hardening)
+    shares = step_shares(discretisation, step, damping)
+    return Scheme(law, step, damping, GRAVITY, test.friction, test.speed, stride, samples, test.across, strength, hardening, shares)
 
 
 def _unit(directions: ArrayLike) -> Floats:
@@ -263,6 +283,10 @@ def _of_tracks(
     von_mises = np.full(shape, np.inf, np.float32)
     plastic = np.full((*shape, STATE), np.inf if failure else 0.0, np.float32)
     contact = np.zeros((len(tracks), len(tets.vertices)), dtype=bool)
+    permanent = np.zeros((*contact.shape, 3), np.float32)
+    if scheme.yields and not failure:
+        flow = np.stack([track.plastic[..., :FLOW] for track in tracks if track.plastic is not None])
+        permanent[:, used] = Springback(discretisation)(flow)[:, discretisation.place[: len(used)]]
     for index, track in enumerate(tracks):
         if track.peak is not None and not failure:
             von_mises[index, discretisation.tet_order] = track.peak
@@ -271,7 +295,7 @@ def _of_tracks(
         if track.touched is not None:
             contact[index, used] = track.touched[discretisation.place[: len(used)]]
     return Drop(
-        von_mises, plastic[..., STRAIN], plastic[..., TENSION], plastic[..., :FLOW], contact,
+        von_mises, plastic[..., STRAIN], plastic[..., TENSION], plastic[..., :FLOW], permanent, contact,
         scheme.time_step, steps, discretisation.added_mass,
         tuple(history_of(track, scheme) for track in tracks), tuple(phases_of(track, scheme) for track in tracks),
         tuple(track.ended for track in tracks), failure,

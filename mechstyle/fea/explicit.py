@@ -37,6 +37,10 @@ FLOW, STRAIN, TENSION, STATE = 6, 6, 7, 8
 """What has flowed at a Gauss point is STATE numbers: the FLOW entries xx yy zz xy yz zx of A = C_p⁻¹ − I, and in their places the
 equivalent plastic strain ε_p and the part ε_t of it that was gathered in tension, where p > −σ_vM/3."""
 
+MOST_SHARE, SPREAD = 0.9, 1.4
+"""Most that `step_shares` says, so that nothing is softened below ‖A‖ = 0.1, by which the stiffest tetrahedron gets 5 % faster; and by how
+much the frequency of a quadratic tetrahedron squared may exceed what `elasticity.element_frequencies` lets expect."""
+
 ELASTIC = 1e30
 """Yield strength from which the kernels take a material for elastic [MPa]."""
 
@@ -44,7 +48,7 @@ RECORD_EVERY = 4
 """Steps between updates of the running maximum; a stress wave crosses an element in several steps."""
 
 ENERGY_GAIN = 0.01
-"""Share of the energy at first touch by which energy may exceed what it was before: more means an unstable integration, not physics."""
+"""Share of the kinetic energy at a touch by which energy may exceed what it was before: more means an unstable integration, not physics."""
 
 Progress = Callable[[float], None]
 """Called now and then with the fraction done; may raise to cancel the rest."""
@@ -70,6 +74,7 @@ class Scheme:
         across: Normal of printed layers over their share of the strength; zero for a material without layers.
         yield_strength: Stress at which the material begins to flow [MPa]; infinite for an elastic body.
         hardening: By how much its strength rises per unit of plastic strain [MPa].
+        shares: What each tetrahedron uses up of the step, `step_shares`; none where no time passes.
     """
 
     law: ElasticLaw
@@ -83,6 +88,7 @@ class Scheme:
     across: tuple[float, float, float] = (0.0, 0.0, 0.0)
     yield_strength: float = math.inf
     hardening: float = 0.0
+    shares: Floats | float = 0.0
 
     @property
     def yields(self) -> bool:
@@ -157,22 +163,6 @@ def _concatenated(arrays: Sequence[Any]) -> Any:
     return None if arrays[0] is None else np.concatenate(arrays)
 
 
-@dataclass(frozen=True, eq=False)
-class Loading:
-    """A load that is put on slowly, nodes in the numbering of the discretisation.
-
-    Attributes:
-        forces: External forces at a load factor of 1 [N], shape [node_count, 3].
-        projections: What supports leave of each node's velocity, shape [node_count, 3, 3]: I where it is free, 0 where it is held,
-            I − n nᵀ on rollers.
-        drag: c in v ← v / (1 + c Δt), which lets every motion decay in 1/c [1/ms].
-    """
-
-    forces: Floats
-    projections: Floats
-    drag: float
-
-
 class State(Protocol):
     """Bodies that are advanced together, in the numbering of the discretisation."""
 
@@ -212,11 +202,14 @@ class Batch(State, Protocol):
         """Whether each node has met the floor, shape [orientations, node_count]."""
 
 
-class Loaded(State, Protocol):
-    """One body under a `Loading`, without weight and floor."""
+class Shaped(State, Protocol):
+    """One body, without weight and floor, that is put into one shape after another."""
 
-    def advance(self, samples: int, start: float, end: float) -> None:
-        """As `Batch.advance`, while the load factor goes linearly from one value to another."""
+    def forces(self, displacement: Floats) -> Floats:
+        """Internal forces [N] after the flow to a shape from the one kept, both of shape [node_count, 3]."""
+
+    def keep(self, displacement: Floats) -> None:
+        """Let the flow to a shape have happened, and take its stress into the running maximum."""
 
 
 class Body(Protocol):
@@ -230,8 +223,8 @@ class Body(Protocol):
     def batches(self, scheme: Scheme, starts: Starts) -> Sequence[Batch]:
         """The drops, in their order."""
 
-    def loaded(self, scheme: Scheme, loading: Loading) -> Loaded:
-        """The body at rest, not yet loaded."""
+    def shaped(self, scheme: Scheme) -> Shaped:
+        """The body as it is before anything flows."""
 
 
 class Job(Protocol):
@@ -297,21 +290,20 @@ def _stay_on_a_core(places: SimpleQueue[int]) -> None:
         os.sched_setaffinity(0, {places.get()})
 
 
-def failing(samples: Floats, scheme: Scheme, energy: float) -> NDArray[np.bool_]:
+def failing(samples: Floats, scheme: Scheme) -> NDArray[np.bool_]:
     """Samples that are not finite or hold more energy than one before, shape [samples, orientations].
 
     Kinetic, strain and potential energy, plastic work and what the floor took can only lose to damping. They are held against the least
     they were, or what damping took would hide as much energy gained.
 
     Args:
-        samples: From the first after first touch, shape [samples, QUANTITIES, orientations].
+        samples: From the touch on, shape [samples, QUANTITIES, orientations].
         scheme: The step.
-        energy: Total energy at first touch [mJ].
     """
     with np.errstate(invalid="ignore"):  # sums of infinities, which is what is looked for
         total = total_energy(samples, scheme)
-        least = np.minimum(np.minimum.accumulate(total, axis=0), energy)
-        return ~np.isfinite(samples).all(axis=1) | ~(total - least <= ENERGY_GAIN * energy)
+        gained = total - np.minimum.accumulate(total, axis=0)
+        return ~np.isfinite(samples).all(axis=1) | ~(gained <= ENERGY_GAIN * samples[0, QUANTITIES.index("kinetic")])
 
 
 def total_energy(samples: Floats, scheme: Scheme) -> Floats:
@@ -324,6 +316,16 @@ def stable_step(frequency: float, damping: float) -> float:
     """Largest stable Δt = (2/ω)(sqrt(1 + ξ²) − ξ), ξ = βω/2 [ms], of central differences with lagged viscous stress."""
     xi = 0.5 * damping * frequency
     return 2.0 / frequency * (math.sqrt(1.0 + xi * xi) - xi)
+
+
+def step_shares(body: Discretisation, step: float, damping: Floats) -> Floats:
+    """What each tetrahedron uses up of a stable step [ms], ω_e² (Δt² + 2 Δt β_e) / 4, at most MOST_SHARE, shape [tet_count].
+
+    A tetrahedron that gets stiffer by the inverse of it would reach the limit of stability. `elasticity.softened` keeps it there.
+    """
+    limit = bound(body.stiffness.norms, body.masses, body.highest)
+    squared = SPREAD * limit * (body.frequencies / body.frequencies.max()) ** 2
+    return np.minimum(0.25 * squared * (step**2 + 2.0 * step * damping), MOST_SHARE)
 
 
 def damped_step(body: Discretisation, share: float) -> tuple[float, Floats]:

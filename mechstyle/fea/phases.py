@@ -1,26 +1,34 @@
 """A drop from its first touch until its impact has ended: phases of contact, which are simulated, and rigid flights between them.
 
-A phase is over when the floor has not pushed for three quarters of the body's lowest period; then the body flies on as a rigid one. Where
-it will touch again at half the speed of its fall or more, or may do so after slower touches, another phase begins, a new drop of the
-undeformed body: what it still vibrates is left out, because its phase at the next touch is a lottery, which a degree of tilt draws anew.
+A phase is over when the floor has not pushed for three quarters of the body's lowest period, or sooner where what it vibrates will not
+bend it; then the body flies on as a rigid one. Where it will touch again at half the speed of its fall or more, or may do so after slower
+touches, another phase begins, a new drop of the body as it is bent by then: what it still vibrates is left out, because its phase at the
+next touch is a lottery, which a degree of tilt draws anew.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mechstyle.fea.explicit import QUANTITIES, Batch, Body, Job, Scheme, Starts, carry, failing, total_energy
+from mechstyle.fea.discretisation import Discretisation
+from mechstyle.fea.elasticity import displacement_gradients, energy_density
+from mechstyle.fea.explicit import FLOW, QUANTITIES, Batch, Body, Job, Scheme, Starts, carry, failing, total_energy
 from mechstyle.fea.flight import RigidBody, Touch
 from mechstyle.records.mesh import Bools, Floats
 
 QUIET_TIME = 0.75
 """Time without contact after which a phase is over, over the lowest period. The tip of a bar comes back after 0.21 of it, but a tilted cup
 in brick bears most 0.7 after it has left the floor; up to 1.5 it may bear 4 % more."""
+
+CALM_TIME, CALM_STRESS, CALM_ENERGY = 0.25, 0.9, 0.01
+"""When a body that has yielded is done sooner. For so much of its lowest period it has not touched the floor or flowed, and either its
+stress stayed below so much of the yield strength for twice as long, or what it vibrates is less than so much of the plastic work."""
 
 MIN_IMPULSE = 1e-4
 """Impulse of the floor that counts as contact, over the momentum at first touch."""
@@ -39,7 +47,9 @@ MOST_PERIODS, MOST_BESIDES = 6.0, 1.5
 CHECK_EVERY = 5
 """Samples between two looks at the rule."""
 
-IMPULSE, CONTACT_LOSS, HEIGHT = (QUANTITIES.index(name) for name in ("impulse", "contact_loss", "height"))
+IMPULSE, CONTACT_LOSS, HEIGHT, KINETIC, STRAIN_ENERGY, PLASTIC_WORK, PEAK_SQUARED = (
+    QUANTITIES.index(name) for name in ("impulse", "contact_loss", "height", "kinetic", "strain", "plastic_work", "peak_squared")
+)
 
 
 def longest(period: float) -> float:
@@ -71,6 +81,30 @@ class Rule:
     quiet: float = QUIET_TIME
 
 
+class Rest:
+    """The shape in which a body comes to rest after it has flowed, and the energy of the stress that is locked in.
+
+    Args:
+        body: The body.
+        scheme: The step, with its law.
+        springback: Displacement of nodes [mm], [states, node_count, 3], that plastic flow A leaves, [states, tet_count, points, 6].
+    """
+
+    def __init__(self, body: Discretisation, scheme: Scheme, springback: Callable[[NDArray[np.float32]], Floats]) -> None:
+        self._body, self._scheme, self._springback = body, scheme, springback
+
+    def __call__(self, plastic: NDArray[np.float32]) -> tuple[Floats, float]:
+        """Displacement of the nodes [mm], shape [node_count, 3], and strain energy [mJ], of what has flowed, as `Track.plastic`."""
+        body, flow = self._body, plastic[..., :FLOW]
+        if not flow.any():
+            return np.zeros((len(body.masses), 3)), 0.0
+        displacement = self._springback(flow[None])[0]
+        H = displacement_gradients(body.mesh, displacement[body.place])[body.tet_order]
+        shares = np.broadcast_to(self._scheme.shares, len(body.volumes))[:, None]
+        density = energy_density(self._scheme.law, H, flow.astype(np.float64), shares)
+        return displacement, float(body.volumes @ density.mean(axis=1))
+
+
 class Track:
     """One orientation on its way through its phases.
 
@@ -79,6 +113,7 @@ class Track:
         body: The body.
         scheme: The step.
         rule: Of the attribute.
+        rest: The shape in which it flies on.
 
     Attributes:
         rule: When it ends.
@@ -94,8 +129,8 @@ class Track:
         failed: Whether it broke down.
     """
 
-    def __init__(self, normal: Floats, body: RigidBody, scheme: Scheme, rule: Rule) -> None:
-        self._body, self._scheme, self.rule = body, scheme, rule
+    def __init__(self, normal: Floats, body: RigidBody, scheme: Scheme, rule: Rule, rest: Rest) -> None:
+        self._body, self._scheme, self.rule, self._rest = body, scheme, rule, rest
         self.begun, self.speeds, self.normals, self.sunk = [0.0], [rule.speed], [normal], [0.0]
         self.samples: list[Floats] = []
         self.peak: NDArray[np.float32] | None = None
@@ -105,6 +140,7 @@ class Track:
         self._rotation, self._place = np.eye(3), np.zeros(3)  # of the undeformed body as this phase began
         self._next: Touch | None = None
         self._pushed, self._quiet_since = 0.0, 0.0
+        self._bent, self._locked = np.zeros_like(body.arms), 0.0
         self._begin(np.broadcast_to(-rule.speed * normal, body.arms.shape))
 
     @property
@@ -138,22 +174,22 @@ class Track:
         return periods / (1.0 + periods)
 
     def starts(self) -> Starts:
-        """The phase that begins, from the undeformed body."""
-        normal = self.normals[-1]
-        heights = self._body.arms @ normal
-        still = np.broadcast_to(0.0, self._velocities.shape)
-        return Starts(normal[None], (heights - heights.min())[None], still[None], self._velocities[None])
+        """The phase that begins, from the body as it is bent."""
+        normal, arms, bent = self.normals[-1], self._body.arms, self._bent
+        heights = arms @ normal - ((arms + bent) @ normal).min()
+        plastic = None if self.plastic is None else self.plastic[None]
+        return Starts(normal[None], heights[None], bent[None], self._velocities[None], plastic)
 
     def look(self, rows: Floats) -> bool:
         """Take samples in, [samples, QUANTITIES]; whether the phase, and perhaps the drop, is over with them."""
         here = self.samples[-1] = np.concatenate([self.samples[-1], rows])
-        energy = float(here[0, QUANTITIES.index("kinetic")])
-        bad = np.flatnonzero(failing(here[1:, :, None], self._scheme, energy))
+        bad = np.flatnonzero(failing(here[:, :, None], self._scheme))
         if len(bad):
-            self.samples[-1], broken = here[: bad[0] + 2], here[bad[0] + 1]
+            self.samples[-1], broken = here[: bad[0] + 1], here[bad[0]]
             self.ended, self.failed = "its state is not finite", True
             if np.isfinite(broken).all():
-                rise = float(total_energy(broken[None], self._scheme)[0]) / energy
+                before, after = total_energy(np.stack([here[0], broken]), self._scheme)
+                rise = float(after / before)
                 self.ended = f"its energy rose to {rise:.3g} of what it was at the touch"
             return True
         if here[-1, IMPULSE] - self._pushed >= MIN_IMPULSE * self._body.mass * self.rule.speed:
@@ -172,7 +208,9 @@ class Track:
         self.normals.append(touch.motion.rotation.T @ normal)
         self.speeds.append(touch.speed)
         self.sunk.append(float(body.mass * self._place @ self.normals[0]))
-        self._begin(body.velocities(touch.motion))
+        if self.plastic is not None:
+            self._bent, self._locked = self._rest(self.plastic)
+        self._begin(replace(body, arms=body.arms + self._bent).velocities(touch.motion))
 
     def keep(self, peak: NDArray[np.float32], plastic: NDArray[np.float32], touched: Bools) -> None:
         """Take in the largest stress of a phase, what has flowed and the nodes that met the floor, in the shapes of the attributes."""
@@ -187,7 +225,9 @@ class Track:
     def _begin(self, velocities: Floats) -> None:
         masses, normal = self._body.masses[:, None], self.normals[-1]
         sample = np.zeros(len(QUANTITIES))
-        sample[QUANTITIES.index("kinetic")] = 0.5 * float((masses * velocities**2).sum())
+        sample[KINETIC], sample[STRAIN_ENERGY] = 0.5 * float((masses * velocities**2).sum()), self._locked
+        sample[HEIGHT] = float((masses * self._bent).sum(axis=0) @ normal)
+        sample[PLASTIC_WORK] = self.samples[-1][-1, PLASTIC_WORK] if self.samples else 0.0
         sample[QUANTITIES.index("momentum")] = float((masses * velocities).sum(axis=0) @ normal)
         self.samples.append(sample[None])
         self._velocities, self._pushed, self._quiet_since, self._next = velocities, 0.0, self.begun[-1], None
@@ -199,7 +239,21 @@ class Track:
             return f"the window of {rule.window:g} ms was over" if self.left <= 0 else ""
         if self.left <= 0:
             return f"{simulated:.3g} ms were simulated, the most for a part whose lowest period is {rule.period:.2g} ms"
-        return "" if self.time - self._quiet_since < rule.quiet * rule.period else self._out_of_contact()
+        quiet = self.time - self._quiet_since
+        return self._out_of_contact() if quiet >= rule.quiet * rule.period or self._calm(quiet) else ""
+
+    def _calm(self, quiet: float) -> bool:
+        """Whether what it vibrates bends it no further, after so long without contact [ms]."""
+        here, strength, period = self.samples[-1], self._scheme.yield_strength, self.rule.period
+        quarter = math.ceil(CALM_TIME * period / self.interval)
+        if not self._scheme.yields or quiet < CALM_TIME * period or len(here) <= 2 * quarter:
+            return False
+        work = here[-1, PLASTIC_WORK]
+        if work > (1.0 + 0.1 * CALM_ENERGY) * here[-1 - quarter, PLASTIC_WORK]:
+            return False
+        moving = here[-1, KINETIC] - self._body.kinetic_energy(self._body.motion(here[-1]))
+        stress = math.sqrt(here[-1 - 2 * quarter :, PEAK_SQUARED].max())
+        return stress < CALM_STRESS * strength or here[-1, STRAIN_ENERGY] + moving < CALM_ENERGY * work
 
     def _out_of_contact(self) -> str:
         """As `_over` of a body that the floor has not pushed for long."""

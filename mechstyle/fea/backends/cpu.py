@@ -12,7 +12,7 @@ from mechstyle.fea.backends import simd_by_element
 from mechstyle.fea.backends.simd_by_element import LaneBody, LaneScheme, LaneState
 from mechstyle.fea.discretisation import Discretisation
 from mechstyle.fea.elasticity import ElasticLaw
-from mechstyle.fea.explicit import ELASTIC, QUANTITIES, RECORD_EVERY, STATE, Loading, Scheme, Starts, law_number
+from mechstyle.fea.explicit import ELASTIC, QUANTITIES, RECORD_EVERY, STATE, Scheme, Starts, law_number
 from mechstyle.records.mesh import Floats
 
 
@@ -41,22 +41,22 @@ class CoreBody:
         state.forces = _zeros(4 * self.node_count)
         state.peak_squared = _zeros(self.points * simd_by_element.LANES * self.lanes.blocks)
         scheme = LaneScheme()
-        scheme.law, scheme.mu, scheme.la, scheme.damping = law_number(law), law.mu, law.la, self.damping_by_tet(damping)
-        wp.launch(simd_by_element.forces_only, dim=1, inputs=[self.lanes, state, scheme], device="cpu")
+        scheme.law, scheme.mu, scheme.la, scheme.damping = law_number(law), law.mu, law.la, self.of_tets(damping)
+        wp.launch(simd_by_element.forces_only, dim=1, inputs=[self.lanes, state, scheme, 0], device="cpu")
         return state.forces.numpy().reshape(-1, 4)[:, :3].astype(np.float64)
 
-    def damping_by_tet(self, damping: Floats | float) -> Any:
-        """β of each tetrahedron, those of the last block that fill it up included."""
-        each = np.broadcast_to(np.float32(damping), self.tet_count)
+    def of_tets(self, values: Floats | float) -> Any:
+        """A number of each tetrahedron, those of the last block that fill it up included."""
+        each = np.broadcast_to(np.float32(values), self.tet_count)
         return _cpu(np.pad(each, (0, -self.tet_count % simd_by_element.LANES)))
 
     def batches(self, scheme: Scheme, starts: Starts) -> list[CoreDrop]:
         """One orientation per job."""
         return [CoreDrop(self, scheme, starts.of(slice(index, index + 1))) for index in range(len(starts))]
 
-    def loaded(self, scheme: Scheme, loading: Loading) -> CoreLoaded:
-        """The body at rest, not yet loaded."""
-        return CoreLoaded(self, scheme, loading)
+    def shaped(self, scheme: Scheme) -> CoreShaped:
+        """The body as it is before anything flows."""
+        return CoreShaped(self, scheme)
 
 
 class _OnCore:
@@ -77,7 +77,7 @@ class _OnCore:
         if scheme.yields:
             self.state.plastic, self.state.flowed = self._plastic(start.plastic)
         self.state.samples = _zeros(scheme.samples * len(QUANTITIES))
-        self.step = _step(scheme, start.normals[0], body.damping_by_tet(scheme.damping))
+        self.step = _step(scheme, start.normals[0], body)
 
     def history(self, first: int, last: int) -> Floats:
         """Samples from one to another, shape [samples, QUANTITIES, 1]."""
@@ -133,27 +133,30 @@ class CoreDrop(_OnCore):
         return np.asarray(self.state.impulse.numpy()[None] > 0.0)
 
 
-class CoreLoaded(_OnCore):
-    """One body under a load, a `Loaded`.
+class CoreShaped(_OnCore):
+    """One body that is put into one shape after another, a `Shaped`."""
 
-    Args:
-        body: The body.
-        scheme: The step.
-        loading: The load.
-    """
-
-    def __init__(self, body: CoreBody, scheme: Scheme, loading: Loading) -> None:
+    def __init__(self, body: CoreBody, scheme: Scheme) -> None:
         super().__init__(body, scheme, Starts.at_rest(body.node_count))
-        self.load = simd_by_element.LaneLoad()
-        self.load.forces, self.load.drag = _cpu(_rows(loading.forces)), loading.drag
-        self.load.projections = _cpu(_rows(np.swapaxes(loading.projections, 1, 2).reshape(-1, 3)))
+        self.kept = wp.clone(self.state.plastic), wp.clone(self.state.flowed)
 
-    def advance(self, samples: int, start: float, end: float) -> None:
-        """Take `samples` strides and samples while the load factor goes from one value to another."""
-        rows = (self.done, samples, self.scheme.stride, RECORD_EVERY)
-        arguments = [self.body.lanes, self.state, self.step, self.load, *rows, start, end]
-        wp.launch(simd_by_element.loaded_strides, dim=1, inputs=arguments, device="cpu")
-        self.done += samples
+    def forces(self, displacement: Floats) -> Floats:
+        """Internal forces [N] after the flow to a shape from the one kept, both of shape [node_count, 3]."""
+        self._take(displacement, record=0)
+        return self.state.forces.numpy().reshape(-1, 4)[:, :3].astype(np.float64)
+
+    def keep(self, displacement: Floats) -> None:
+        """Let the flow to a shape have happened, and take its stress into the running maximum."""
+        self._take(displacement, record=1)
+        for kept, found in zip(self.kept, (self.state.plastic, self.state.flowed), strict=True):
+            wp.copy(kept, found)
+
+    def _take(self, displacement: Floats, record: int) -> None:
+        for kept, found in zip(self.kept, (self.state.plastic, self.state.flowed), strict=True):
+            wp.copy(found, kept)
+        self.state.u.assign(_rows(displacement))
+        self.state.forces.zero_()
+        wp.launch(simd_by_element.forces_only, dim=1, inputs=[self.body.lanes, self.state, self.step, record], device="cpu")
 
 
 def _state(heights: NDArray[np.float32], displacement: NDArray[np.float32], velocity: NDArray[np.float32]) -> Any:
@@ -165,13 +168,14 @@ def _state(heights: NDArray[np.float32], displacement: NDArray[np.float32], velo
     return state
 
 
-def _step(scheme: Scheme, normals: Floats, damping: Any) -> Any:
-    """The scheme as the kernels read it, β in the order of the blocks."""
+def _step(scheme: Scheme, normals: Floats, body: CoreBody) -> Any:
+    """The scheme as the kernels read it."""
     step = LaneScheme()
     step.law, step.mu, step.la = scheme.law_number, scheme.law.mu, scheme.law.la
     step.yields, step.hardening = int(scheme.yields), scheme.hardening
     step.yield_strength = min(scheme.yield_strength, ELASTIC)
-    step.time_step, step.damping, step.gravity, step.friction = scheme.time_step, damping, scheme.gravity, scheme.friction
+    step.damping, step.shares = body.of_tets(scheme.damping), body.of_tets(scheme.shares)
+    step.time_step, step.gravity, step.friction = scheme.time_step, scheme.gravity, scheme.friction
     step.normals, step.across = _cpu(normals.astype(np.float32).ravel()), wp.vec3f(*scheme.across)
     return step
 

@@ -14,7 +14,7 @@ from mechstyle._warp import wp
 from mechstyle.fea.backends import kernels, sampling_kernels
 from mechstyle.fea.discretisation import Discretisation
 from mechstyle.fea.elasticity import ElasticLaw
-from mechstyle.fea.explicit import ELASTIC, QUANTITIES, RECORD_EVERY, STATE, Loading, Scheme, Starts, law_number
+from mechstyle.fea.explicit import ELASTIC, QUANTITIES, RECORD_EVERY, STATE, Scheme, Starts, law_number
 from mechstyle.records.mesh import Floats
 
 BLOCK = 64
@@ -58,26 +58,26 @@ class DeviceBody:
     ) -> Floats:
         """Forces f_a = −Σ V P ∇N_a of u + β v, β [ms] of each tetrahedron, in float32 [N], shape [node_count, 3]."""
         fields = (displacement, np.broadcast_to(velocity, displacement.shape))
-        ahead = (self.damping(damping), *(self.array(field[:, None], wp.vec3f) for field in fields))
+        ahead = (self.of_tets(damping), *(self.array(field[:, None], wp.vec3f) for field in fields))
         total = self.zeros(self.node_count, 1, dtype=wp.vec3f)
         forces, peak = self.forces_and_peak(1)
         constants = (law_number(law), law.mu, law.la, wp.vec3f(), ELASTIC, 0.0)
-        outcome = (0, forces, self.zeros(0, 0, 0, 0), peak)
+        outcome = (0, forces, self.zeros(0), self.zeros(0, 0, 0, 0), peak)
         self.launch(self.element_forces, (self.tet_count, 1), *self.elements, self.slots, *ahead, *constants, *outcome)
         self.launch(kernels.gather_forces, (self.node_count, 1), forces, self.first_slot, total)
         return np.asarray(total.numpy()[:, 0], dtype=np.float64)
 
-    def damping(self, damping: Floats | float) -> Any:
-        """β of each tetrahedron."""
-        return self.array(np.broadcast_to(damping, self.tet_count), float)
+    def of_tets(self, values: Floats | float) -> Any:
+        """A number of each tetrahedron."""
+        return self.array(np.broadcast_to(values, self.tet_count), float)
 
     def batches(self, scheme: Scheme, starts: Starts) -> list[DeviceBatch]:
         """All orientations together."""
         return [DeviceBatch(self, scheme, starts)]
 
-    def loaded(self, scheme: Scheme, loading: Loading) -> DeviceLoaded:
-        """The body at rest, not yet loaded."""
-        return DeviceLoaded(self, scheme, loading)
+    def shaped(self, scheme: Scheme) -> DeviceShaped:
+        """The body as it is before anything flows."""
+        return DeviceShaped(self, scheme)
 
 
 class _OnDevice:
@@ -94,9 +94,9 @@ class _OnDevice:
         each_node = (body.node_count, self.count)
         self.normals, self.heights = body.array(starts.normals, wp.vec3f), body.array(starts.heights.T, float)
         self.u, self.v = (body.array(np.swapaxes(field, 0, 1), wp.vec3f) for field in (starts.displacements, starts.velocities))
-        self.damping = body.damping(scheme.damping)
-        self.forces, self.peak_squared = body.forces_and_peak(self.count)
-        self.flowed = self._flowed(starts.plastic)
+        self.damping = body.of_tets(scheme.damping)
+        self.by_slot, self.peak_squared = body.forces_and_peak(self.count)
+        self.shares, self.flowed = body.of_tets(scheme.shares), self._flowed(starts.plastic)
         self.impulse, self.contact_loss = body.zeros(*each_node), body.zeros(*each_node)
         self.parts = body.zeros(len(QUANTITIES), int(sampling_kernels.PARTS), self.count)
         self.groups = body.zeros(len(QUANTITIES), int(sampling_kernels.GROUPS), self.count)
@@ -138,9 +138,18 @@ class _OnDevice:
             return body.zeros(body.tet_count, body.element.points, STATE if self.scheme.yields else 0, self.count)
         return body.array(np.moveaxis(before, 0, -1), float)
 
-    def _strides(self, count: int) -> None:
-        """Queue strides, on CUDA as replays of one graph: thousands of launches would cost more than the work in them."""
-        for _ in range(count):
+    def _element_forces(self, record: int) -> None:
+        body = self.body
+        ahead, outcome = (self.damping, self.u, self.v), (record, self.by_slot, self.shares, self.flowed, self.peak_squared)
+        body.launch(body.element_forces, (body.tet_count, self.count), *body.elements, body.slots, *ahead, *self.constants, *outcome)
+
+
+class DeviceBatch(_OnDevice):
+    """Drops in several orientations, a `Batch`."""
+
+    def advance(self, samples: int) -> None:
+        """Queue `samples` strides and samples, on CUDA as replays of one graph: thousands of launches would cost more than the work."""
+        for _ in range(samples):
             if not wp.get_device(self.body.device).is_cuda:
                 self._stride()
                 continue
@@ -150,37 +159,6 @@ class _OnDevice:
                 self._graph = capture.graph
             wp.capture_launch(self._graph)
 
-    def _stride(self) -> None:
-        body, scheme = self.body, self.scheme
-        for step in range(scheme.stride):
-            self._element_forces(record=int(step % RECORD_EVERY == 0))
-            self._advance_nodes()
-        parts, motion = (int(sampling_kernels.PARTS), self.count), (self.u, self.v)
-        inputs = (*body.elements, *self.constants, scheme.time_step, *motion, self.flowed, self.parts)
-        body.launch(sampling_kernels.sample_elements, parts, *inputs)
-        sums = (self.impulse, self.contact_loss, self.parts)
-        body.launch(sampling_kernels.sample_nodes, parts, body.masses, self.normals, *motion, *sums)
-        body.launch(sampling_kernels.sample_motion, parts, body.masses, body.arms, *motion, self.parts)
-        body.launch(sampling_kernels.sample_groups, self.groups.shape, self.parts, self.groups)
-        body.launch(sampling_kernels.sample_total, (len(QUANTITIES), self.count), self.groups, self.row, self.samples)
-        body.launch(sampling_kernels.next_row, (1,), self.row)
-
-    def _element_forces(self, record: int) -> None:
-        body = self.body
-        ahead, outcome = (self.damping, self.u, self.v), (record, self.forces, self.flowed, self.peak_squared)
-        body.launch(body.element_forces, (body.tet_count, self.count), *body.elements, body.slots, *ahead, *self.constants, *outcome)
-
-    def _advance_nodes(self) -> None:
-        raise NotImplementedError
-
-
-class DeviceBatch(_OnDevice):
-    """Drops in several orientations, a `Batch`."""
-
-    def advance(self, samples: int) -> None:
-        """Queue `samples` strides and samples."""
-        self._strides(samples)
-
     def pays(self, going: int) -> bool:
         """Whether so many of its drops are worth their share of it; drops that are packed anew need a new graph."""
         return 2 * going > self.count
@@ -189,35 +167,48 @@ class DeviceBatch(_OnDevice):
         """Whether each node has met the floor, shape [orientations, node_count]."""
         return np.ascontiguousarray(self.impulse.numpy().T > 0.0)
 
+    def _stride(self) -> None:
+        body, scheme = self.body, self.scheme
+        for step in range(scheme.stride):
+            self._element_forces(record=int(step % RECORD_EVERY == 0))
+            self._advance_nodes()
+        parts, motion = (int(sampling_kernels.PARTS), self.count), (self.u, self.v)
+        inputs = (*body.elements, *self.constants, scheme.time_step, *motion, self.shares, self.flowed, self.parts)
+        body.launch(sampling_kernels.sample_elements, parts, *inputs)
+        sums = (self.impulse, self.contact_loss, self.parts)
+        body.launch(sampling_kernels.sample_nodes, parts, body.masses, self.normals, *motion, *sums)
+        body.launch(sampling_kernels.sample_motion, parts, body.masses, body.arms, *motion, self.parts)
+        body.launch(sampling_kernels.sample_groups, self.groups.shape, self.parts, self.groups)
+        body.launch(sampling_kernels.sample_total, (len(QUANTITIES), self.count), self.groups, self.row, self.samples)
+        body.launch(sampling_kernels.next_row, (1,), self.row)
+
     def _advance_nodes(self) -> None:
         body, scheme = self.body, self.scheme
-        given = (self.forces, body.first_slot, body.masses, self.heights, self.normals)
+        given = (self.by_slot, body.first_slot, body.masses, self.heights, self.normals)
         numbers = (scheme.time_step, scheme.gravity, scheme.friction)
         state = (self.u, self.v, self.impulse, self.contact_loss)
         body.launch(kernels.advance, (body.node_count, self.count), *given, *numbers, *state)
 
 
-class DeviceLoaded(_OnDevice):
-    """One body under a load, a `Loaded`.
+class DeviceShaped(_OnDevice):
+    """One body that is put into one shape after another, a `Shaped`."""
 
-    Args:
-        body: The body.
-        scheme: The step.
-        loading: The load.
-    """
-
-    def __init__(self, body: DeviceBody, scheme: Scheme, loading: Loading) -> None:
+    def __init__(self, body: DeviceBody, scheme: Scheme) -> None:
         super().__init__(body, scheme, Starts.at_rest(body.node_count))
-        self.load, self.projections = body.array(loading.forces, wp.vec3f), body.array(loading.projections, wp.mat33f)
-        self.kept, self.ramp = 1.0 / (1.0 + loading.drag * scheme.time_step), body.zeros(4)
+        self.kept, self.total = wp.clone(self.flowed), body.zeros(body.node_count, 1, dtype=wp.vec3f)
 
-    def advance(self, samples: int, start: float, end: float) -> None:
-        """Queue `samples` strides and samples while the load factor goes from one value to another."""
-        self.ramp.assign(np.array([start, (end - start) / (samples * self.scheme.stride), 0.0, start], np.float32))
-        self._strides(samples)
+    def forces(self, displacement: Floats) -> Floats:
+        """Internal forces [N] after the flow to a shape from the one kept, both of shape [node_count, 3]."""
+        self._take(displacement, record=0)
+        self.body.launch(kernels.gather_forces, (self.body.node_count, 1), self.by_slot, self.body.first_slot, self.total)
+        return np.asarray(self.total.numpy()[:, 0], dtype=np.float64)
 
-    def _advance_nodes(self) -> None:
-        body = self.body
-        given = (self.forces, body.first_slot, body.masses, self.load, self.projections, self.ramp)
-        body.launch(kernels.advance_loaded, (body.node_count, 1), *given, self.kept, self.scheme.time_step, self.u, self.v)
-        body.launch(kernels.raise_load, (1,), self.ramp)
+    def keep(self, displacement: Floats) -> None:
+        """Let the flow to a shape have happened, and take its stress into the running maximum."""
+        self._take(displacement, record=1)
+        wp.copy(self.kept, self.flowed)
+
+    def _take(self, displacement: Floats, record: int) -> None:
+        wp.copy(self.flowed, self.kept)
+        self.u.assign(displacement.astype(np.float32)[:, None])
+        self._element_forces(record)

@@ -104,6 +104,7 @@ def linear_forces(
     hardening: float,
     record: int,
     forces: wp.array2d(dtype=wp.vec3f),
+    shares: wp.array(dtype=float),
     plastic: wp.array4d(dtype=float),
     peak_squared: wp.array3d(dtype=float),
 ):
@@ -114,7 +115,7 @@ def linear_forces(
     e, b = wp.tid()
     G = gradients[e]
     H = linear_gradient(u, nodes, G, e, b) + damping[e] * linear_gradient(v, nodes, G, e, b)
-    P = stress_at(H, law, mu, la, across, strength, hardening, record, e, 0, b, plastic, peak_squared)
+    P = stress_at(H, law, mu, la, across, strength, hardening, record, e, 0, b, shares, plastic, peak_squared)
     g = corner_forces(P, G, volumes[e])
     for a in range(4):
         forces[slots[e, a], b] = g[a]
@@ -137,6 +138,7 @@ def quadratic_forces(
     hardening: float,
     record: int,
     forces: wp.array2d(dtype=wp.vec3f),
+    shares: wp.array(dtype=float),
     plastic: wp.array4d(dtype=float),
     peak_squared: wp.array3d(dtype=float),
 ):
@@ -149,7 +151,7 @@ def quadratic_forces(
     f = Nodes10()
     for q in range(4):
         H = quadratic_gradient(common, x, G, q)
-        P = stress_at(H, law, mu, la, across, strength, hardening, record, e, q, b, plastic, peak_squared)
+        P = stress_at(H, law, mu, la, across, strength, hardening, record, e, q, b, shares, plastic, peak_squared)
         g = corner_forces(P, G, 0.25 * volumes[e])
         total += g
         for i in range(4):
@@ -229,31 +231,3 @@ def advance(
         contact_loss[i, b] -= 0.5 * masses[i] * wp.dot(velocity - free, before + velocity)
     v[i, b] = velocity
     u[i, b] += dt * velocity
-
-
-@wp.kernel
-def advance_loaded(
-    forces: wp.array2d(dtype=wp.vec3f),
-    first_slot: wp.array(dtype=int),
-    masses: wp.array(dtype=float),
-    load: wp.array(dtype=wp.vec3f),
-    projections: wp.array(dtype=wp.mat33f),
-    ramp: wp.array(dtype=float),
-    kept: float,
-    dt: float,
-    u: wp.array2d(dtype=wp.vec3f),
-    v: wp.array2d(dtype=wp.vec3f),
-):
-    """Symplectic Euler for one node under a load times the factor ramp[0], with drag and a support that leaves P v of its velocity."""
-    i, b = wp.tid()
-    force = gathered(forces, first_slot, i, b) + ramp[0] * load[i]
-    velocity = projections[i] * (kept * (v[i, b] + dt * (force / masses[i])))
-    v[i, b] = velocity
-    u[i, b] += dt * velocity
-
-
-@wp.kernel
-def raise_load(ramp: wp.array(dtype=float)):
-    """The load factor of the next step: ramp[2] is how many steps went by, ramp[1] what each adds to where it began, ramp[3]."""
-    ramp[2] = ramp[2] + 1.0
-    ramp[0] = ramp[3] + ramp[1] * ramp[2]

@@ -126,12 +126,11 @@ def symmetric(xx: float, yy: float, zz: float, xy: float, yz: float, zx: float):
 
 
 @wp.func
-def plastic_part(H: wp.mat33f, plastic: wp.array4d(dtype=float), e: int, q: int, b: int):
-    """G = F A of what has flowed at a Gauss point."""
-    A = symmetric(
+def flowed(plastic: wp.array4d(dtype=float), e: int, q: int, b: int):
+    """A of what has flowed at a Gauss point."""
+    return symmetric(
         plastic[e, q, 0, b], plastic[e, q, 1, b], plastic[e, q, 2, b], plastic[e, q, 3, b], plastic[e, q, 4, b], plastic[e, q, 5, b]
     )
-    return A + H * A
 
 
 @wp.func
@@ -147,6 +146,12 @@ def square(s: wp.mat33f):
     """The contraction s:s of a symmetric matrix."""
     normal = s[0, 0] * s[0, 0] + s[1, 1] * s[1, 1] + s[2, 2] * s[2, 2]
     return normal + 2.0 * (s[0, 1] * s[0, 1] + s[1, 2] * s[1, 2] + s[0, 2] * s[0, 2])
+
+
+@wp.func
+def softened(A: wp.mat33f, share: float):
+    """As `elasticity.softened`."""
+    return 1.0 / wp.max(1.0, share * (1.0 + wp.sqrt(square(A))))
 
 
 @wp.func
@@ -179,8 +184,8 @@ def isochoric(half: float, determinant: float, change: float, start: float):
 @wp.func
 def elastic_plastic(
     H: wp.mat33f,
-    mu: float,
-    la: float,
+    mu_new: float,
+    la_new: float,
     across: wp.vec3f,
     strength: float,
     hardening: float,
@@ -188,6 +193,7 @@ def elastic_plastic(
     e: int,
     q: int,
     b: int,
+    shares: wp.array(dtype=float),
     plastic: wp.array4d(dtype=float),
     peak_squared: wp.array3d(dtype=float),
 ):
@@ -198,8 +204,13 @@ def elastic_plastic(
     """
     strain = plastic[e, q, 6, b]
     G = wp.mat33f()
+    mu, la = mu_new, la_new
     if strain > 0.0:
-        G = plastic_part(H, plastic, e, q, b)
+        A = flowed(plastic, e, q, b)
+        G = A + H * A
+        softer = softened(A, shares[e])
+        mu = mu_new * softer
+        la = la_new * softer
     C = cofactor(H)
     tr = wp.trace(H)
     change = tr + wp.trace(C) + wp.dot(H[0], C[0])
@@ -253,12 +264,13 @@ def stress_at(
     e: int,
     q: int,
     b: int,
+    shares: wp.array(dtype=float),
     plastic: wp.array4d(dtype=float),
     peak_squared: wp.array3d(dtype=float),
 ):
     """As `elastic_plastic`, of an elastic body where the strength is that of one."""
     if strength < ELASTIC:
-        return elastic_plastic(H, mu, la, across, strength, hardening, record, e, q, b, plastic, peak_squared)
+        return elastic_plastic(H, mu, la, across, strength, hardening, record, e, q, b, shares, plastic, peak_squared)
     P = first_piola(H, mu, la, law)
     if record == 1:
         peak_squared[e, q, b] = wp.max(peak_squared[e, q, b], equivalent_squared(H, P, across))

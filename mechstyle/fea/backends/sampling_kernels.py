@@ -13,8 +13,9 @@ from mechstyle.fea.backends.laws import (
     equivalent_squared,
     factor,
     first_piola,
+    flowed,
     neo_hookean,
-    plastic_part,
+    softened,
 )
 
 wp.set_module_options({"enable_backward": False})
@@ -32,8 +33,8 @@ def of_point(
     H: wp.mat33f,
     rate: wp.mat33f,
     law: int,
-    mu: float,
-    la: float,
+    mu_new: float,
+    la_new: float,
     across: wp.vec3f,
     strength: float,
     hardening: float,
@@ -41,6 +42,7 @@ def of_point(
     e: int,
     q: int,
     b: int,
+    shares: wp.array(dtype=float),
     plastic: wp.array4d(dtype=float),
 ):
     """Strain energy density half a step ago [MPa], density of plastic work so far [MPa] and stress squared now [MPa²] at a Gauss point.
@@ -50,10 +52,15 @@ def of_point(
     """
     work, squared = float(0.0), float(0.0)
     G, P = wp.mat33f(), wp.mat33f()
+    mu, la = mu_new, la_new
     if strength < ELASTIC:
         strain = plastic[e, q, 6, b]
         if strain > 0.0:
-            G = plastic_part(H, plastic, e, q, b)
+            A = flowed(plastic, e, q, b)
+            G = A + H * A
+            softer = softened(A, shares[e])
+            mu = mu_new * softer
+            la = la_new * softer
             work = strain * (strength + 0.5 * hardening * strain)
         C = cofactor(H)
         change = wp.trace(H) + wp.trace(C) + wp.dot(H[0], C[0])
@@ -81,6 +88,7 @@ def sample_elements(
     dt: float,
     u: wp.array2d(dtype=wp.vec3f),
     v: wp.array2d(dtype=wp.vec3f),
+    shares: wp.array(dtype=float),
     plastic: wp.array4d(dtype=float),
     parts: wp.array3d(dtype=float),
 ):
@@ -92,7 +100,7 @@ def sample_elements(
         if nodes.shape[1] == 4:
             H = linear_gradient(u, nodes, G, e, b)
             rate = linear_gradient(v, nodes, G, e, b)
-            at = of_point(H, rate, law, mu, la, across, strength, hardening, dt, e, 0, b, plastic)
+            at = of_point(H, rate, law, mu, la, across, strength, hardening, dt, e, 0, b, shares, plastic)
             strain += volumes[e] * at[0]
             work += volumes[e] * at[1]
             peak = wp.max(peak, at[2])
@@ -104,7 +112,7 @@ def sample_elements(
             for q in range(4):
                 H = quadratic_gradient(x_common, x, G, q)
                 rate = quadratic_gradient(y_common, y, G, q)
-                at = of_point(H, rate, law, mu, la, across, strength, hardening, dt, e, q, b, plastic)
+                at = of_point(H, rate, law, mu, la, across, strength, hardening, dt, e, q, b, shares, plastic)
                 strain += 0.25 * volumes[e] * at[0]
                 work += 0.25 * volumes[e] * at[1]
                 peak = wp.max(peak, at[2])

@@ -9,7 +9,6 @@ tetrahedra: the same inputs give the same bytes.
 # mypy: disable-error-code="untyped-decorator,valid-type"
 # Warp reads the annotations of its functions itself: they are calls.
 
-
 from __future__ import annotations
 
 from mechstyle._warp import wp
@@ -95,17 +94,9 @@ class LaneScheme:
     gravity: wp.float32
     friction: wp.float32
     damping: wp.array(dtype=wp.float32)  # β of each tetrahedron, as the blocks lie
+    shares: wp.array(dtype=wp.float32)  # likewise
     normals: wp.array(dtype=wp.float32)
     across: wp.vec3f  # normal of printed layers over their share of the strength, zero for none
-
-
-@wp.struct
-class LaneLoad:
-    """A load; see `explicit.Loading`."""
-
-    forces: wp.array(dtype=wp.float32)  # [node][x y z 0] N
-    projections: wp.array(dtype=wp.float32)  # [node][column][x y z 0]
-    drag: wp.float32
 
 
 LANES = 16
@@ -180,7 +171,9 @@ _LAYOUT = """
     };
 """
 
-_ADVANCE = CONTRACT + """
+_ADVANCE = (
+    CONTRACT
+    + """
     typedef float Row __attribute__((vector_size(16), aligned(4)));
     typedef float Rows __attribute__((vector_size(64), aligned(4)));  // of four nodes
     auto of_all = [](Row a) { return __builtin_shufflevector(a, a, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3); };
@@ -224,19 +217,7 @@ _ADVANCE = CONTRACT + """
         move(i, free, heights[i] + dot(n, U[i] + dt * free));
     }
 """
-
-_ADVANCE_LOADED = CONTRACT + """
-    typedef float Row __attribute__((vector_size(16), aligned(4)));
-    const float dt = scheme.time_step, *masses = body.masses.data, kept = 1.0f / (1.0f + load.drag * dt);
-    Row *U = (Row *)state.u.data, *V = (Row *)state.v.data, *F = (Row *)state.forces.data;
-    const Row *push = (const Row *)load.forces.data, *left = (const Row *)load.projections.data;
-    for (int i = 0; i < body.masses.shape[0]; i++) {
-        const Row free = kept * (V[i] + dt * ((F[i] + factor * push[i]) / masses[i])), *column = left + 3 * i;
-        V[i] = column[0] * free[0] + column[1] * free[1] + column[2] * free[2];
-        U[i] += dt * V[i];
-        F[i] = Row{};
-    }
-"""
+)
 
 _SAMPLE = """
     double kinetic = 0.0, height = 0.0, momentum = 0.0, impulse = 0.0, contact_loss = 0.0, stored = 0.0, work = 0.0, motion[18] = {};
@@ -283,20 +264,15 @@ def advance(body: LaneBody, state: LaneState, scheme: LaneScheme) -> None:
     """Symplectic Euler with contact for every node, as `kernels.advance`; clears the forces."""
 
 
-@wp.func_native(_ADVANCE_LOADED)
-def advance_loaded(body: LaneBody, state: LaneState, scheme: LaneScheme, load: LaneLoad, factor: float) -> None:
-    """Symplectic Euler under a load for every node, as `kernels.advance_loaded`; clears the forces."""
-
-
 @wp.func_native(_HEAD + STRAIN + _SAMPLE)
 def sample(body: LaneBody, state: LaneState, scheme: LaneScheme, row: int) -> None:
     """One row of the history, in the order of `explicit.QUANTITIES`."""
 
 
 @wp.kernel
-def forces_only(body: LaneBody, state: LaneState, scheme: LaneScheme) -> None:
-    """The internal forces of u + β v [N], without a step."""
-    element_forces(body, state, scheme, 0)
+def forces_only(body: LaneBody, state: LaneState, scheme: LaneScheme, record: int) -> None:
+    """The internal forces of u + β v [N], without a step, as `element_forces`."""
+    element_forces(body, state, scheme, record)
 
 
 @wp.kernel
@@ -307,21 +283,5 @@ def strides(body: LaneBody, state: LaneState, scheme: LaneScheme, first_row: int
         for step in range(steps):
             element_forces(body, state, scheme, wp.where(step % record_every == 0, 1, 0))
             advance(body, state, scheme)
-        sample(body, state, scheme, first_row + row)
-    restore_mode(mode)
-
-
-@wp.kernel
-def loaded_strides(
-    body: LaneBody, state: LaneState, scheme: LaneScheme, load: LaneLoad,
-    first_row: int, rows: int, steps: int, record_every: int, start: float, end: float,
-) -> None:  # fmt: skip
-    """As `strides` under a load that goes from one factor to another."""
-    mode = flush_subnormals()
-    rise = (end - start) / float(rows * steps)
-    for row in range(rows):
-        for step in range(steps):
-            element_forces(body, state, scheme, wp.where(step % record_every == 0, 1, 0))
-            advance_loaded(body, state, scheme, load, start + rise * float(row * steps + step))
         sample(body, state, scheme, first_row + row)
     restore_mode(mode)

@@ -188,12 +188,17 @@ PLASTICITY = """
         const Matrix T = {{{stiff * s[0] + p, xy, zx}, {xy, stiff * s[1] + p, yz}, {zx, yz, stiff * s[2] + p}}};
         return max(of_solid, across_layers(T));
     };
+    // As `elasticity.softened`: a factor on the elastic constants.
+    auto softened = [&](const Lanes *A, int block) {
+        const Lanes size = ((const Lanes *)scheme.shares.data)[block] * (1.0f + __builtin_elementwise_sqrt(square(A)));
+        return 1.0f / (size > 1.0f ? size : Lanes{} + 1.0f);
+    };
     // One Gauss point where something has flowed or flows now: `elastic_plastic` of `laws`, lane by lane; G becomes that after the flow.
-    auto flow = [&](const Matrix &H, Matrix &G, Invariants &at, Lanes *point, const Lanes *s, Lanes &demand) INLINE {
+    auto flow = [&](const Matrix &H, Matrix &G, Invariants &at, Lanes *point, const Lanes &softer, const Lanes *s, Lanes &demand) INLINE {
         const Lanes limit = strength + hardening * point[STRAIN], J = 1.0f + at.change;
         const auto yields = (demand > limit * limit) & (J > 0.1f);
         if (!any(yields)) return;
-        const Lanes stiff = 0.75f * mu + at.k, m = at.q * (1.0f / 3.0f), against = 3.0f * stiff * (1.0f + m);
+        const Lanes stiff = softer * (0.75f * mu + at.k), m = at.q * (1.0f / 3.0f), against = 3.0f * stiff * (1.0f + m);
         const Lanes above = yields ? 1.0f - limit / __builtin_elementwise_sqrt(demand) : Lanes{};
         const Lanes along = above / (against + hardening), lost = against * along;
         const Lanes von_mises = stiff * __builtin_elementwise_sqrt(1.5f * square(s)), kept = 1.0f - lost;
@@ -227,24 +232,27 @@ PLASTICITY = """
         at.q = 3.0f * x, at.k = factor(at.q);
         const Lanes conjugate = 1.0f - 1.5f * determinant / ((1.0f + m) * (half + TINY)), more = conjugate * along * von_mises;
         point[STRAIN] += more;
-        const Lanes p = mean_stress(at.q, at.change);
+        const Lanes p = softer * mean_stress(at.q, at.change);
         point[TENSION] += 3.0f * p > -kept * von_mises ? more : Lanes{};
         demand *= kept * kept;
     };
-    auto flowed_stress = [&](const Matrix &H, Lanes *point, Lanes *highest) __attribute__((noinline)) {
+    auto flowed_stress = [&](const Matrix &H, int block, Lanes *point, Lanes *highest) __attribute__((noinline)) {
         Matrix G = plastic_part(H, point);
+        const Lanes softer = softened(point, block);
         Invariants at = invariants(Flowed{}, H, G);
         Lanes s[6];
         deviator(Flowed{}, H, G, s);
-        Lanes demand = demand_squared(s, at);
-        flow(H, G, at, point, s, demand);
+        Lanes demand = softer * softer * demand_squared(s, at);
+        flow(H, G, at, point, softer, s, demand);
         if (highest) *highest = max(*highest, demand);
-        return neo_hookean(Flowed{}, H, G, at);
+        Matrix P = neo_hookean(Flowed{}, H, G, at);
+        for (int i = 0; i < 9; i++) P[0][i] *= softer;
+        return P;
     };
     // Stress at a Gauss point of a block; `point` is what has flowed there, `highest` the running maximum of what is held against the
     // strength, squared, or null.
-    auto elastic_plastic = [&](const Matrix &H, Lanes *point, int &flowed, Lanes *highest) INLINE {
-        if (!flowed) {
+    auto elastic_plastic = [&](const Matrix &H, int block, Lanes *point, Lanes *highest) INLINE {
+        if (!state.flowed.data[block]) {
             const Matrix none = {};
             const Invariants at = invariants(Virgin{}, H, none);
             Lanes s[6];
@@ -254,9 +262,9 @@ PLASTICITY = """
                 if (highest) *highest = max(*highest, demand);
                 return neo_hookean(Virgin{}, H, none, at);
             }
-            flowed = 1;
+            state.flowed.data[block] = 1;
         }
-        return flowed_stress(H, point, highest);
+        return flowed_stress(H, block, point, highest);
     };
 """
 
@@ -349,7 +357,7 @@ FORCES = """
             auto stress = [&](int q, const Matrix &H) INLINE {
                 Lanes *highest = record ? peak + points * block + q : nullptr;
                 if constexpr (decltype(law)::yields)
-                    return elastic_plastic(H, plastic + STATE * (points * block + q), state.flowed.data[block], highest);
+                    return elastic_plastic(H, block, plastic + STATE * (points * block + q), highest);
                 const Matrix P = first_piola(law, H);
                 if constexpr (record) *highest = max(*highest, equivalent_squared(H, P));
                 return P;
@@ -380,10 +388,11 @@ STRAIN = """
             load(element, state.v.data, block, v_buffer, v);
             Matrix x_common = {}, v_common = {};
             if constexpr (points > 1) x_common = common_gradient(x, G), v_common = common_gradient(v, G);
-            auto add_point = [&](auto history, const Matrix &H, const Matrix &rate, const Matrix &flowed, const Matrix &P, Lanes now) {
-                const Lanes energy = volume * (energy_density(history, H, flowed) - 0.5f * scheme.time_step * contraction(P, rate));
-                strain += __builtin_convertvector(energy, DoubleLanes);
-                peak = max(peak, now);
+            // `softer` is a factor on energy and stress, `now` the stress squared without it.
+            auto add = [&](auto past, const Matrix &H, const Matrix &rate, const Matrix &G, const Matrix &P, Lanes softer, Lanes now) {
+                const Lanes energy = energy_density(past, H, G) - 0.5f * scheme.time_step * contraction(P, rate);
+                strain += __builtin_convertvector(volume * softer * energy, DoubleLanes);
+                peak = max(peak, softer * softer * now);
             };
             for (int q = 0; q < points; q++) {
                 const Matrix H = gradient(element, x_common, x, G, extra, q), rate = gradient(element, v_common, v, G, extra, q);
@@ -393,12 +402,13 @@ STRAIN = """
                     const Matrix flowed = plastic_part(H, point);
                     const Invariants at = invariants(Flowed{}, H, flowed);
                     deviator(Flowed{}, H, flowed, s);
-                    add_point(Flowed{}, H, rate, flowed, neo_hookean(Flowed{}, H, flowed, at), demand_squared(s, at));
+                    const Matrix P = neo_hookean(Flowed{}, H, flowed, at);
+                    add(Flowed{}, H, rate, flowed, P, softened(point, block), demand_squared(s, at));
                     const Lanes work = volume * point[STRAIN] * (strength + 0.5f * hardening * point[STRAIN]);
                     worked += __builtin_convertvector(work, DoubleLanes);
                 } else {
                     const Matrix P = first_piola(law, H);
-                    add_point(Virgin{}, H, rate, Matrix{}, P, equivalent_squared(H, P));
+                    add(Virgin{}, H, rate, Matrix{}, P, Lanes{} + 1.0f, equivalent_squared(H, P));
                 }
             }
         }

@@ -11,6 +11,7 @@ from mechstyle.fea.explicit import ELASTIC, QUANTITIES, law_number
 from support import hyperelasticity
 
 MANY = 24
+NO_SHARES = wp.zeros(0, dtype=float, device="cpu")
 NO_FLOW = wp.zeros((0, 0, 0, 0), dtype=float, device="cpu")
 NODES = np.array([[0, 1, 2, 3]], np.int32)
 each_law = pytest.mark.parametrize("name", LAWS)
@@ -44,7 +45,7 @@ def body():
 def test_energy_and_stress_are_those_of_the_reference(gradients, name, across, pla):
     law, u = law_named(name, pla), on_cpu(moved(gradients), wp.vec3f)
     parts = wp.zeros((len(QUANTITIES), 1, MANY), dtype=float, device="cpu")
-    asked = [*body(), law_number(law), law.mu, law.la, wp.vec3f(*across), ELASTIC, 0.0, 0.0, u, wp.zeros_like(u), NO_FLOW, parts]
+    asked = [*body(), law_number(law), law.mu, law.la, wp.vec3f(*across), ELASTIC, 0.0, 0.0, u, wp.zeros_like(u), NO_SHARES, NO_FLOW, parts]
     wp.launch(sample_elements, dim=(1, MANY), inputs=asked, device="cpu")
     energy = hyperelasticity.energy_density(law, gradients) / 6.0
     stress = equivalent_stress(hyperelasticity.cauchy_stress(gradients, hyperelasticity.first_piola(law, gradients)), across)
@@ -61,7 +62,7 @@ def test_forces_are_those_of_the_first_piola_stress(gradients, name, pla):
     forces, peak = wp.zeros((4, MANY), dtype=wp.vec3f, device="cpu"), wp.zeros((1, 1, MANY), dtype=float, device="cpu")
     damping = on_cpu(np.zeros(1, np.float32))
     constants = [law_number(law), law.mu, law.la, wp.vec3f(), ELASTIC, 0.0]
-    asked = [*body(), on_cpu(NODES, int), damping, u, wp.zeros_like(u), *constants, 0, forces, NO_FLOW, peak]
+    asked = [*body(), on_cpu(NODES, int), damping, u, wp.zeros_like(u), *constants, 0, forces, damping, NO_FLOW, peak]
     wp.launch(linear_forces, dim=(1, MANY), inputs=asked, device="cpu")
     stress = hyperelasticity.first_piola(law, gradients)
     expected = np.concatenate([stress.sum(axis=2)[None], -stress.transpose(2, 0, 1)]) / 6.0

@@ -83,7 +83,7 @@ def test_strain_of_every_element_counts_once(pla):
     parts = wp.zeros((len(QUANTITIES), int(k.PARTS), 1), dtype=float, device="cpu")
     body = [wp.array(nodes, dtype=int, device="cpu"), on_cpu(gradients, wp.mat33f), on_cpu(volumes)]
     no_flow = wp.zeros((0, 0, 0, 0), dtype=float, device="cpu")
-    asked = [*body, 0, mu, mu, wp.vec3f(), ELASTIC, 0.0, 0.0, u, wp.zeros_like(u), no_flow, parts]
+    asked = [*body, 0, mu, mu, wp.vec3f(), ELASTIC, 0.0, 0.0, u, wp.zeros_like(u), wp.zeros(0, dtype=float, device="cpu"), no_flow, parts]
     wp.launch(k.sample_elements, (int(k.PARTS), 1), asked, device="cpu")
     strain = 1e-2 + 0.5e-4  # Green's, of a stretch by 1 %
     assert parts.numpy()[k.STRAIN].sum() == pytest.approx(COUNT * 1.5 * mu * strain**2, rel=1e-4)
