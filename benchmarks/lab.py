@@ -1,10 +1,9 @@
 """What the Studio and the Viewer cost in JupyterLab, in headless Chromium with software WebGL: figures, not a test.
 
-    python benchmarks/lab.py [scrub|viewer|preview|busy|reruns ...]
+    python benchmarks/lab.py [viewer|preview|busy|reruns ...]
 
 Says what running the Studio's cell over and over leaves behind in the page and in the kernel, garbage collected before each reading;
-how long a new field takes from the kernel to the finished picture of a part of 25k vertices; how many of its iterations a second
-a slider passes that is dragged; how soon a Studio shows its style and another one, and how soon the kernel answers while a run goes on.
+how long a new field takes from the kernel to the finished picture of a part of 25k vertices; how soon a Studio shows its style and another one, and how soon the kernel answers while a run goes on.
 Software WebGL draws far slower than any graphics card, and everything here shares the machine's cores: the figures are upper bounds.
 """
 
@@ -36,11 +35,9 @@ sys.modules[_SPEC.name] = browser  # dataclasses look their module up
 _SPEC.loader.exec_module(browser)
 
 RERUNS, BETWEEN, OPENINGS = 50, 10, 5
-SIDE, ITERATIONS = 158, 200  # of the sheet that is dragged through: 25k vertices
 UPDATES, STYLES, ANSWERS = 30, ("wood", "knit", "wave", "scales", "bamboo"), 60
-OPENED, PREVIEW, LAYER, SCRUBBED, ANSWER, LEFT = 2000.0, 800.0, 300.0, 1000.0 / 60.0, 200.0, 1.0
-"""What is allowed: a Studio with a style on its part, another style, a layer, an iteration passed, an answer of the kernel [ms];
-memory of a further run [MB]."""
+OPENED, PREVIEW, LAYER, ANSWER, LEFT = 2000.0, 800.0, 300.0, 200.0, 1.0
+"""What is allowed: a Studio with a style on its part, another style, a layer, an answer of the kernel [ms]; memory of a further run [MB]."""
 STUDIO = """
 from mechstyle_widgets import Studio
 studio = Studio("gallery:pen_holder")
@@ -84,35 +81,6 @@ values = np.roll(values, 500)
 viewer.put(Layer("field", values, "field", "", (0.0, 1.0), None, ""))
 print(sent)
 """
-SCRUB = f"""
-import sys
-sys.path.insert(0, {str(Path(__file__).parents[1] / "tests")!r})
-from pathlib import Path
-from support.lanes import lane_on_a_sheet
-from mechstyle_widgets import Studio
-studio = Studio(lane_on_a_sheet(Path("scrubbed"), side={SIDE}, iterations={ITERATIONS}))
-studio.state.layer = "stress"
-studio
-"""
-PACKED = f"document.querySelector('.mechstyle-scrubber')?.dataset.ready === '{ITERATIONS + 1}'"
-AT_REST = "document.querySelector('.mechstyle-scrubber')?.dataset.drawn === 'stress 0'"
-DRAG = """async last => {
-    const slider = document.querySelector('.mechstyle-scrubber input'), passed = [], messages = [], send = WebSocket.prototype.send;
-    document.addEventListener('mechstyle-scrubbed', event => passed.push([performance.now(), event.detail.took]));
-    WebSocket.prototype.send = function (data) { messages.push(data); return send.call(this, data); };
-    slider.dispatchEvent(new Event('pointerdown'));
-    const began = performance.now();
-    for (let at = last; at >= 0; at--) {
-        slider.value = String(at);
-        slider.dispatchEvent(new Event('input'));
-        await new Promise(done => requestAnimationFrame(done));
-    }
-    WebSocket.prototype.send = send;
-    slider.dispatchEvent(new Event('pointerup'));
-    const middle = values => values.sort((a, b) => a - b)[values.length >> 1];
-    const gaps = passed.slice(1).map(([time], k) => time - passed[k][0]);
-    return {count: passed.length, messages: messages.length, gap: middle(gaps), work: middle(passed.map(([, took]) => took))};
-}"""
 UNDRAWN = """() => { for (const gl of [WebGLRenderingContext.prototype, WebGL2RenderingContext.prototype])
     for (const name of ['drawElements', 'drawArrays']) gl[name] = () => {}; }"""
 """A graphics card that takes no time."""
@@ -194,8 +162,7 @@ def laboratory() -> Iterator[tuple[Any, Any, Path]]:
 def main() -> None:
     """Measure and print."""
     parts = {
-        "scrub": (SCRUB, of_scrubbing), "viewer": (VIEWER, of_viewer), "preview": (FINE, of_preview), "busy": (RUNNING, of_a_run),
-        "reruns": (STUDIO, of_reruns),
+        "viewer": (VIEWER, of_viewer), "preview": (FINE, of_preview), "busy": (RUNNING, of_a_run), "reruns": (STUDIO, of_reruns),
     }  # fmt: skip
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     none: list[str] = []  # is a choice, too
@@ -261,18 +228,6 @@ def _count(received: list[int], frame: dict[str, Any]) -> None:
     """Note the bytes of a message from the kernel."""
     data = frame["response"]["payloadData"]
     received.append(len(data) if frame["response"]["opcode"] == 1 else len(data) * 3 // 4)
-
-
-def of_scrubbing(shown: Page) -> Iterator[Row]:
-    """How long an iteration takes that a dragged slider passes, with software WebGL and with a graphics card that takes no time."""
-    shown.page.wait_for_function(PACKED)
-    for how in ("software WebGL", "nothing rasterised"):
-        found = shown.page.evaluate(DRAG, ITERATIONS)
-        work = f"{found['work']:.1f} ms of it the page's own work (medians)"
-        told = f"one each {found['gap']:.0f} ms, {work}; {found['messages']} messages to the kernel"
-        yield f"Studio: {found['count']} iterations passed while dragging, {how}", told, f"{SCRUBBED:.1f} ms"
-        shown.page.wait_for_function(AT_REST)  # or what the kernel draws and tells is counted among what is passed next
-        shown.page.evaluate(UNDRAWN)
 
 
 def of_a_run(shown: Page) -> Iterator[Row]:

@@ -44,6 +44,7 @@ STATES = {
     "pull": "studio.close_page(); studio.viewer._clicks((0.0, 0.0, 67.6))",
     "finished": "studio.viewer.arrow = (); studio.controller.run()",
     "stress": "studio.state.layer = 'stress'; studio.viewer.stepped = True",
+    "stays-bent": "studio.state.layer = 'stays_bent'",
     "what-if": "studio.viewer.stepped = False; studio.show_mask(); studio.mask_inspector.selector.threshold = 0.3",
     "both": "studio.state.layer = 'stress'; studio.controller.both()",
     "fallen": "studio.viewer.player.play()",

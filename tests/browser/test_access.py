@@ -32,7 +32,7 @@ from mechstyle_widgets.state.controller import Controller
 state = StudioState(run)
 controller = Controller(state, lambda: None)
 viewer = Viewer(make("pen_holder"))
-display(Timeline(state), RunViewer(state), viewer, MaskInspector(controller), RunControls(controller), Branches(controller), Replay(run))
+display(Timeline(state), RunViewer(state), viewer, MaskInspector(controller), RunControls(controller), Branches(controller))
 display(PartPicker(), PromptBox(), MaterialPicker(), ControlSelector(), ScheduleSelector(), RegionsPicker(), DropOptions())
 """
 THEMES = ("JupyterLab Light", "JupyterLab Dark")
@@ -75,7 +75,6 @@ def shown(notebook):
 def alone(notebook):
     notebook.open(ALONE)
     notebook.drawn()
-    notebook.page.locator(".ms-canvas").wait_for()
     return notebook
 
 

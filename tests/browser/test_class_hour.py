@@ -134,11 +134,11 @@ def test_it_is_branched_and_compared(hour):
 
 
 def test_freestyle_stands_beside_it_in_one_press(hour):
-    hour.python("studio.state.lane = 'main'; studio.control_selector.threshold = studio.run.recipe.threshold")
+    hour.python("studio.state.lane = 'main'; studio.control_selector.threshold = studio.run.recipe.restraint.threshold")
     hour.python("studio._take_recipe(studio.run.recipe)")
     press(hour, "MechStyle to the end, then Freestyle")
     hour.until("(studio.state.status, studio.state.lane, studio.state.pinned)", "('finished', 'main', ('freestyle', 8))")
-    hour.page.get_by_text("where freestyle has least left").wait_for()
+    hour.page.get_by_text("stays bent most").wait_for()
     hour.page.locator(".mechstyle-viewer canvas").nth(1).wait_for()
     assert hour.drawn(0).shape == hour.drawn(1).shape
     hour.drag(hour.canvas(0), (0.5, 0.6), (0.7, 0.6))

@@ -65,15 +65,18 @@ def test_a_click_on_another_lane_shows_that_lane(shown):
 
 
 def test_arrow_keys_step(shown):
-    shown.page.locator(".mechstyle-scrubber input").focus()
+    shown.page.locator(".mechstyle-timeline .noUi-handle").focus()
     shown.page.keyboard.press("ArrowLeft")
     shown.until(where(shown), "('frozen', 8, 8, 8, 8)")
     shown.page.keyboard.press("ArrowRight")
     shown.until(where(shown), "('frozen', 9, 9, 9, 9)")
-    shown.page.keyboard.press("ArrowUp")
-    shown.until("state.lane", "main")
-    shown.page.keyboard.press("ArrowDown")
-    shown.until(where(shown), "('frozen', 9, 9, 9, 9)")
+
+
+def test_it_plays_to_the_end(shown):
+    shown.page.keyboard.press("Home")
+    shown.until(where(shown), "('frozen', 0, 0, 0, 0)")
+    shown.page.locator(".mechstyle-timeline .widget-play button").first.click()
+    shown.until(where(shown), "('frozen', 12, 12, 12, 12)")
 
 
 def test_what_python_sets_is_what_the_mouse_sets(shown):

@@ -103,7 +103,7 @@ def test_the_impact_can_be_watched_and_exaggerated(shown):
     shown.until("viewer.player.frame", 4)
     early = shown.changed(shown.canvas(), before, 0.05)
     shown.keep("viewer-impact")
-    shown.python("viewer.player.exaggeration = 200.0")
+    shown.python("viewer.player.exaggeration = 100.0")
     shown.changed(shown.canvas(), early, 0.01)
     shown.page.locator(".mechstyle-viewer button[title^='Back to']").click()
     shown.until("(viewer.player.impact, viewer.layer)", f"(None, '{before_it}')")

@@ -1,0 +1,58 @@
+"""A page of a Studio in German: no word of it is English, and the slider under the view moves what is seen."""
+
+from __future__ import annotations
+
+import pytest
+
+from support.german import english_in
+
+pytestmark = pytest.mark.browser
+
+ITERATIONS = 12
+WRITTEN = """() => {
+    const texts = new Set(), studio = document.querySelector('.mechstyle-studio');
+    const walker = document.createTreeWalker(studio, NodeFilter.SHOW_ELEMENT | NodeFilter.SHOW_TEXT);
+    for (let node = walker.currentNode; node; node = walker.nextNode()) {
+        if (node.nodeType === Node.TEXT_NODE && node.parentElement.localName !== 'style') texts.add(node.data.trim());
+        for (const name of ['title', 'aria-label', 'aria-valuetext', 'placeholder', 'alt'])
+            texts.add(node.getAttribute?.(name)?.trim() ?? '');
+    }
+    return [...texts].filter(Boolean);
+}"""
+
+
+@pytest.fixture(scope="module")
+def shown(notebook, finished_run):
+    opened = notebook.open(
+        f"""
+from mechstyle_widgets import Studio
+studio = Studio({str(finished_run.store.root)!r}, language="de")
+studio
+"""
+    )
+    opened.page.locator(".mechstyle-timeline .noUi-handle").wait_for()
+    opened.drawn()
+    return opened
+
+
+def test_a_slider_that_is_dragged_moves_the_view_with_it(shown):
+    shown.python("studio.state.layer = 'displacement'")
+    before, slider = shown.drawn(), shown.page.locator(".mechstyle-timeline .noUi-base").bounding_box()
+    y = slider["y"] + slider["height"] / 2
+    shown.page.mouse.move(slider["x"] + slider["width"], y)
+    shown.page.mouse.down()
+    shown.page.mouse.move(slider["x"] + slider["width"] / 3, y, steps=8)
+    shown.until("studio.viewer._drawn", ITERATIONS // 3)
+    shown.changed(shown.canvas(), before, 0.003)
+    shown.page.mouse.up()
+    assert shown.python("print(studio.state.iteration)") == str(ITERATIONS // 3)
+
+
+def test_a_page_in_german_has_no_word_of_english(shown):
+    """The slider said "12 of 12" and "iteration": what a script of the page says came from no table."""
+    shown.python(f"studio.state.iteration = {ITERATIONS}; studio.state.layer = 'stays_bent'")
+    shown.drawn()
+    shown.page.locator(".mechstyle-studio .js-plotly-plot .main-svg").first.wait_for()
+    texts = shown.page.evaluate(WRITTEN)
+    assert {"Schritt", "Start", "Ganzer Bildschirm", "darf abweichen"} <= {*texts}
+    assert {text: found for text in texts if (found := english_in(text))} == {}
