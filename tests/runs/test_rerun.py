@@ -83,10 +83,10 @@ def test_where_it_differs_is_said():
         digest: str
         verdict: object = None
 
-    before = [Entry(0, "a", judged(row(stress=20.0))), Entry(1, "b"), Entry(2, "c", judged(row(stress=30.0)))]
-    near = [*before[:2], Entry(2, "d", judged(row(stress=30.0 * (1 + 0.5 * CLOSE))))]
-    far = [*before[:2], Entry(2, "d", judged(row(stress=30.0 * (1 + 2 * CLOSE))))]
-    other = [*before[:2], Entry(2, "d", judged(row(stress=30.0, outcome="FAILS")))]
+    before = [Entry(0, "a", judged(row(0.1))), Entry(1, "b"), Entry(2, "c", judged(row(0.15)))]
+    near = [*before[:2], Entry(2, "d", judged(row(0.15 * (1 + 0.5 * CLOSE))))]
+    far = [*before[:2], Entry(2, "d", judged(row(0.15 * (1 + 2 * CLOSE))))]
+    other = [*before[:2], Entry(2, "d", judged(row(0.15, outcome="FAILS")))]
     broken = [*before[:2], Entry(2, "d", UNKNOWN)]
     short = before[:2]
     assert compared(before, before, "").same_bytes
@@ -94,7 +94,7 @@ def test_where_it_differs_is_said():
     assert (compared(before, near, "").same_bytes, compared(before, near, "").first_other) == (False, 2)
     assert "other bytes from iteration 2 on" in compared(before, near, "").words
     assert [one.iteration for one in compared(before, far, "").differences] == [2]
-    assert "FAILS, 30 MPa, instead of HOLDS, 30 MPa (flat)" in compared(before, other, "").words
+    assert "FAILS, 0.15 mm, instead of HOLDS, 0.15 mm (flat)" in compared(before, other, "").words
     assert compared(before, short, "").first_other == 2
     assert [one.verdict_again for one in compared(before, broken, "").differences] == ["UNKNOWN"]
     assert compared(broken, broken, "").equal, "neither gave an answer"
@@ -102,11 +102,11 @@ def test_where_it_differs_is_said():
 
 
 def test_a_forged_figure_is_found_out(block, tmp_path, capsys):
-    """A head that claims a lower stress than its recipe comes to."""
+    """A head that claims another bend than its recipe comes to."""
     store = block.store
     head = store.checkpoint(store.lane().head)
     *others, last = head.verdict.rows
-    forged = msgspec.structs.replace(head.verdict, rows=(*others, msgspec.structs.replace(last, stress=0.5)))
+    forged = msgspec.structs.replace(head.verdict, rows=(*others, msgspec.structs.replace(last, permanent_set=last.permanent_set + 0.5)))
     forged = store.objects.put_record(type(head)(**{**{name: getattr(head, name) for name in head.__dataclass_fields__},
                                                 "verdict": forged}))
     store.move("forged", Lane(recipe=store.lane().recipe, head=forged))

@@ -15,10 +15,10 @@ def test_a_summary_has_the_verdict_of_what_is_delivered_and_the_tests_behind_it(
     run = lane_on_a_sheet(tmp_path / "run", iterations=20)
     summary, verdict = run.summary, run.verdict
     assert (summary.outcome, summary.doubts, summary.rows, summary.words) == (verdict.outcome, verdict.doubts, verdict.rows, verdict.words)
-    most = max(row.stress for row in verdict.rows if row.decides)
-    assert summary.safety_factor == pytest.approx(run.recipe.test.material.yield_strength / most)
+    assert summary.tolerance == verdict.tolerance == 0.2
     assert summary.landings == run.simulation().landings
-    assert summary.plain.rows[0].stress == pytest.approx(20.0)
+    assert summary.plain.rows[0].permanent_set == pytest.approx(0.2 * (20.0 / 45.6) ** 4)
+    assert {"rows", "outcome", "tolerance", "kept"} <= set(msgspec.json.decode(to_json(summary))), "what programs read"
 
 
 @pytest.mark.parametrize(("kept", "guarantee", "said"), [(0.33, True, True), (0.95, True, False), (0.33, False, False)])
@@ -28,9 +28,8 @@ def test_a_run_that_keeps_little_says_how_to_keep_more(tmp_path, monkeypatch, ke
     assert any("--side outwards" in note for note in run.summary.notes) == said
 
 
-def test_an_unknown_verdict_has_no_safety_factor_and_can_be_read_back(tmp_path):
+def test_an_unknown_verdict_can_be_read_back(tmp_path):
     run = lane_on_a_sheet(tmp_path / "run", iterations=2)
-    none = msgspec.structs.replace(run.summary, outcome="UNKNOWN", rows=(), safety_factor=UNKNOWN.safety_factor, plain=UNKNOWN)
-    assert none.safety_factor is None
+    none = msgspec.structs.replace(run.summary, outcome="UNKNOWN", rows=(), plain=UNKNOWN)
     (tmp_path / "summary.json").write_bytes(to_json(none))
     assert read_record(tmp_path / "summary.json", Summary) == none

@@ -44,7 +44,8 @@ def verdict(*rows, **changes):
 
 VERDICT = verdict()
 UNKNOWN = Verdict(
-    outcome="UNKNOWN", criterion="robust", fall=FALL, strength=STRENGTH, material="PLA", failure="the integration blew up", measure=MEASURE
+    outcome="UNKNOWN", criterion="robust", fall=FALL, tolerance=TOLERANCE, strength=STRENGTH, material="PLA",
+    failure="the integration blew up", measure=MEASURE,
 )  # fmt: skip
 # Values a careless format would lose: the sign of zero, subnormals, the last bit, what is not a number.
 AWKWARD = np.array([-0.0, 1e-45, np.nextafter(np.float32(1), np.float32(2)), np.pi, -3.4e38, np.inf, np.nan], np.float32)

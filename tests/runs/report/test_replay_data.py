@@ -67,7 +67,6 @@ def test_frames_say_what_was_simulated_and_why(lane):
     verdict = lane.checkpoint(20).verdict
     assert frames[20]["outcome"].startswith(verdict.outcome)
     assert frames[20]["words"] == sentences.note(verdict)
-    assert (frames[20]["stress"], frames[20]["limit"]) == (verdict.deciding.stress, verdict.deciding.limit)
     assert "outcome" not in frames[21]
     assert frames[21]["simulatedAt"] == 20
     assert frames[60]["restrained"] == pytest.approx(float((lane.checkpoint(60).mask < 0.5).mean()), abs=1e-4)
@@ -87,10 +86,20 @@ def test_a_frame_counts_what_the_report_counts_and_not_what_quantising_made_of_i
 def test_layers_hold_their_values_and_their_threshold(lane):
     played = replay_data(lane)
     stress = played.layer("stress")
-    assert stress["threshold"] == lane.verdict.deciding.limit
+    assert stress["threshold"] == lane.recipe.test.material.yield_strength
     assert stress["low"] <= stress["threshold"] < stress["high"]
     assert max(lane.checkpoint(i).stress.max() for i in range(61)) <= stress["high"] * 1.0001
     assert played.layer("style")["threshold"] is None
+    bend = played.layer("stays_bent")
+    assert (bend["unit"], bend["threshold"], bend["bounded"]) == ("mm", lane.verdict.deciding.allowed, True)
+
+
+def test_what_stays_bent_is_that_of_the_worst_test_of_each_simulation(lane):
+    got = unpacked(replay_data(lane))["stays_bent"]
+    for frame in (0, 20, 25, 60):
+        row = lane.store.verdict(lane.checkpoint(frame)).deciding
+        wanted = np.linalg.norm(lane.simulation(frame).set_of(landing=row.landing), axis=1)
+        assert got[frame] == pytest.approx(wanted, abs=1e-3)
 
 
 def test_demand_is_read_as_the_recipe_in_force_has_it(sheet, lane):

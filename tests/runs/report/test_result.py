@@ -20,9 +20,9 @@ def test_what_is_read_is_what_the_run_came_to(lane, tmp_path):
     verdict, recipe = lane.verdict, lane.recipe
     assert (found.part, found.prompt, found.material) == (lane.record.name, recipe.style.prompt, recipe.test.material.label)
     assert (found.outcome, found.sure, found.fall, found.recipe) == (verdict.outcome, verdict.sure, recipe.test.height, recipe.digest)
-    assert (found.survives, found.kept) == (verdict.deciding.height, lane.summary.kept)
+    assert (found.permanent_set, found.tolerance) == (verdict.deciding.permanent_set, verdict.tolerance)
+    assert (found.worst, found.kept) == ("flat", lane.summary.kept)
     assert (found.simulations, found.vertices) == (len(lane.summary.simulations), len(lane.part.surface.vertices))
-    assert found.tests == tuple(row.test for row in verdict.rows if row.decides)
 
 
 def test_a_lane_that_is_not_finished_has_none(sheet):

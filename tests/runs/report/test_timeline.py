@@ -12,7 +12,7 @@ from mechstyle.records import Doubt
 from mechstyle.runs.report.markup import RING, SHAPES, cells
 from mechstyle.runs.report.page import _row
 from mechstyle.runs.report.timeline import ticks, timeline
-from support.records import UNKNOWN, row
+from support.records import UNKNOWN, published_row, row
 from support.records import verdict as judged
 
 
@@ -38,15 +38,28 @@ def test_a_test_without_an_answer_is_drawn_as_one(lane):
     drawn = str(timeline([step_of(lane, UNKNOWN)], 1))
     assert SHAPES["UNKNOWN"] in drawn
     assert "UNKNOWN; original part" in drawn
-    assert "limit 45.6 MPa" in drawn
+    assert "allowed 0.20 mm" in drawn
+
+
+def test_by_the_published_rule_it_is_of_stress(lane):
+    drawn = str(timeline([step_of(lane, judged(published_row(), criterion="paper"))], 1))
+    assert "allowed 45.6 MPa" in drawn
+    assert "largest stress in an element [MPa]" in drawn
+
+
+def test_what_gives_way_is_drawn_at_the_top_and_the_rest_can_still_be_told(lane):
+    told = [step_of(lane, judged(row(bend)), iteration) for iteration, bend in enumerate((0.1, 40.0))]
+    marks = [float(y) for y in re.findall(r'class="mark [^"]*" transform="translate\([-.\d]+ ([-.\d]+)\)', str(timeline(told, 1)))]
+    assert marks[1] > 34.0 - 1e-6
+    assert 204.0 - marks[0] > 10.0
 
 
 @pytest.mark.parametrize(
     "peaks", [(26, 27, 27, 27), (30, 60, 55, 45.4), (20, 44, 45, 45.5), (60, 44, 47, 44), (45, 46, 45, 46, 44, 46, 45, 80)], ids=str
 )
 def test_the_name_of_the_limit_stands_where_the_curve_is_not(lane, peaks):
-    """Far below the limit of 45.6 MPa, falling to it, rising to it, across it, and along it."""
-    told = [step_of(lane, judged(row(stress=float(peak), limit=45.6)), iteration) for iteration, peak in enumerate(peaks)]
+    """Far below what is allowed, falling to it, rising to it, across it, and along it, in tenths of a millimetre."""
+    told = [step_of(lane, judged(row(float(peak), allowed=45.6)), iteration) for iteration, peak in enumerate(peaks)]
     drawn = str(timeline(told, len(peaks) - 1))
     right, base = (float(re.search(rf'class="limit-name"[^>]* {name}="([-.\d]+)"', drawn)[1]) for name in "xy")
     line = [tuple(map(float, point.split(","))) for point in re.search(r'class="peaks" points="([^"]+)"', drawn)[1].split()]
@@ -59,7 +72,7 @@ def test_the_name_of_the_limit_stands_where_the_curve_is_not(lane, peaks):
 
 def test_each_simulation_is_drawn_against_its_own_limit(lane):
     """Where a load decides first and a landing at the end, the mark of either stood beside the limit of the last."""
-    told = [step_of(lane, judged(row(stress=0.5 * limit, limit=limit)), iteration) for iteration, limit in enumerate((45.6, 91.2))]
+    told = [step_of(lane, judged(row(0.5 * limit, allowed=limit)), iteration) for iteration, limit in enumerate((0.2, 0.4))]
     drawn = str(timeline(told, 1))
     heights = [float(y) for y in re.findall(r"V([-.\d]+)", re.search(r'class="limit" d="([^"]+)"', drawn)[1])]
     marks = [float(y) for y in re.findall(r'class="mark [^"]*" transform="translate\([-.\d]+ ([-.\d]+)\)', drawn)]
