@@ -7,22 +7,24 @@ from dataclasses import replace
 import msgspec
 import numpy as np
 import pytest
-import trimesh
 
 from mechstyle.loop.objects import Memo, Objects
 from mechstyle.records.material import LIBRARY
-from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.simulation import physics as physics_module
-from mechstyle.simulation.physics import ROUGH, landings_of, memo_key, physics, prescribed
+from mechstyle.simulation.physics import memo_key, physics, prescribed
 from support.dropped_block import bumps, discretised, simulator
 from support.records import recipe
 
 NOTHING = np.zeros(3, np.float32)
 SETTINGS = {
     "height": 1000.0, "friction": 0.3, "window": 0.12, "damping": 0.2, "element": "tet4", "transfer": "nearest",
-    "material": LIBRARY["PETG"], "build_direction": (0.0, 0.0, 1.0), "rough": True,
+    "material": LIBRARY["PETG"], "build_direction": (0.0, 0.0, 1.0), "criterion": "paper",
 }  # fmt: skip
 OTHERS = {name: recipe().with_settings(**{name: value}) for name, value in SETTINGS.items()}
+FIGURES = ("yield_strength", "hardening", "elongation")
+OTHERS |= {
+    name: recipe(material=msgspec.structs.replace(LIBRARY["PLA"], **{name: 1.1 * getattr(LIBRARY["PLA"], name)})) for name in FIGURES
+}
 OTHERS |= {name: recipe().on(**{name: "6" * 64}) for name in ("surface", "tetrahedra")}
 
 
@@ -37,7 +39,8 @@ def test_whatever_changes_the_test_that_is_prescribed_is_in_its_name():
     for name, other in OTHERS.items():
         assert prescribed(other) == prescribed(usual) or physics(other) != physics(usual), name
     test = prescribed(usual.with_settings(height=1000.0, friction=0.3, damping=0.2, element="tet4"))
-    assert (test.height, test.friction, test.damping, test.element) == (1000.0, 0.3, 0.2, "tet4")
+    assert (test.height, test.friction, test.damping, test.element, test.plastic) == (1000.0, 0.3, 0.2, "tet4", True)
+    assert not prescribed(recipe(criterion="paper")).plastic
 
 
 def test_another_relief_has_another_name_and_the_same_has_the_same():
@@ -79,55 +82,3 @@ def test_a_forged_period_of_a_run_folder_stays_in_that_folder(block, memo, tmp_p
     assert not users.folder.exists()
     users.remember(key, honest)
     assert physics_module.period_of(lambda: block[1], sim.recipe, stranger, users) == honest
-
-
-def test_a_rough_drop_takes_longer_steps_and_ends_sooner():
-    usual, rough = prescribed(recipe()), prescribed(recipe().with_settings(rough=True))
-    assert replace(usual, **ROUGH) == rough
-    assert rough.added_mass > usual.added_mass
-    assert rough.quiet < usual.quiet
-    assert physics(recipe()) != physics(recipe().with_settings(rough=True))
-
-
-def test_the_period_that_is_remembered_is_the_same_whoever_asks_first(block, tmp_path):
-    """With the mass of a rough drop it would be longer, and a full test would end by what a rough one has left."""
-    found = []
-    for name in (True, False):
-        own = Memo(tmp_path / str(name), Objects(tmp_path / f"{name}-objects"))
-        found.append(simulator(block, own, window=None, element="tet4", rough=name).period)
-    assert found[0] == found[1]
-
-
-def stud(x: float, y: float) -> trimesh.Trimesh:
-    """A block with a stud on top."""
-    block = trimesh.creation.box((30.0, 20.0, 10.0))
-    other = trimesh.creation.box((4.0, 4.0, 6.0), trimesh.transformations.translation_matrix((x, y, 6.0)))
-    return block.union(other)
-
-
-@pytest.mark.parametrize(("made", "rough"), [
-    (lambda: trimesh.creation.box((30.0, 20.0, 10.0)), 1 + 3),  # two kinds of side, one of corner
-    (lambda: trimesh.creation.box((20.0, 20.0, 10.0)), 1 + 2),
-    (lambda: trimesh.creation.cylinder(10.0, 12.0, sections=96), 1 + 1),
-    (lambda: stud(0.0, 0.0), 1 + 3),
-    (lambda: stud(11.0, 0.0), 1 + 5),  # a mirror is left
-    (lambda: stud(11.0, 5.0), 1 + 8),
-])  # fmt: skip
-def test_of_landings_that_mirror_each_other_a_rough_test_has_one(made, rough):
-    """The unsafe side: a landing that is left out though another part of the body lands."""
-    mesh = made()
-    surface = SurfaceMesh(mesh.vertices, mesh.faces)
-    usual, few = landings_of(surface, recipe(nearly_flat=True)), landings_of(surface, recipe(nearly_flat=True, rough=True))
-    assert len(few.names) == rough <= len(usual.names)
-    assert few.names[0] == "flat"
-    assert set(few.names) <= set(usual.names)
-    for way in ("flat", "nearly flat"):
-        assert way in few.ways
-
-
-def test_layers_that_do_not_lie_level_know_left_from_right():
-    mesh = trimesh.creation.box((30.0, 20.0, 10.0))
-    surface, layered = SurfaceMesh(mesh.vertices, mesh.faces), msgspec.structs.replace(LIBRARY["PLA"], layer_ratio=0.5, layer_source="a")
-    for direction, count in (((0.0, 0.0, 1.0), 4), ((1.0, 0.0, 1.0), 9)):
-        chosen = recipe(nearly_flat=True, rough=True, material=layered, build_direction=direction)
-        assert len(landings_of(surface, chosen).names) == count
