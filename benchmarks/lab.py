@@ -3,7 +3,8 @@
     python benchmarks/lab.py [viewer|preview|busy|reruns ...]
 
 Says what running the Studio's cell over and over leaves behind in the page and in the kernel, garbage collected before each reading;
-how long a new field takes from the kernel to the finished picture of a part of 25k vertices; how soon a Studio shows its style and another one, and how soon the kernel answers while a run goes on.
+how long a new field takes from the kernel to the finished picture of a part of 25k vertices; how soon a Studio shows its style and
+another one, and how soon the kernel answers while a run goes on.
 Software WebGL draws far slower than any graphics card, and everything here shares the machine's cores: the figures are upper bounds.
 """
 
@@ -37,7 +38,8 @@ _SPEC.loader.exec_module(browser)
 RERUNS, BETWEEN, OPENINGS = 50, 10, 5
 UPDATES, STYLES, ANSWERS = 30, ("wood", "knit", "wave", "scales", "bamboo"), 60
 OPENED, PREVIEW, LAYER, ANSWER, LEFT = 2000.0, 800.0, 300.0, 200.0, 1.0
-"""What is allowed: a Studio with a style on its part, another style, a layer, an answer of the kernel [ms]; memory of a further run [MB]."""
+"""What is allowed: a Studio with a style on its part, another style, a layer, an answer of the kernel [ms]; memory of a further run
+[MB]."""
 STUDIO = """
 from mechstyle_widgets import Studio
 studio = Studio("gallery:pen_holder")
