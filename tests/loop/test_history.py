@@ -22,7 +22,8 @@ from mechstyle.loop.objects import Objects
 from mechstyle.loop.store import Lane, Store
 from mechstyle.records import Doubt
 from support.bench import Bench
-from support.records import STRENGTH, UNKNOWN, published_row, row, verdict
+from support.records import STRENGTH, UNKNOWN, published_row, verdict
+from support.records import row as judged_row
 
 THICKNESS = np.full(64, 4.0, np.float32)
 
@@ -124,7 +125,7 @@ def test_what_a_lane_has_come_to_is_what_is_delivered_not_what_was_simulated_las
     entry, delivered = standing(found)
     assert entry.final
     assert delivered.passes
-    worse = [*found[:-1], msgspec.structs.replace(found[-2], verdict=verdict(row(9.0))), found[-1]]
+    worse = [*found[:-1], msgspec.structs.replace(found[-2], verdict=verdict(judged_row(9.0))), found[-1]]
     assert standing(worse) == (entry, delivered)
     begun = found[:6]  # of a lane that has not ended: its last simulation
     assert standing(begun)[0] is [one for one in begun if one.verdict is not None][-1]
