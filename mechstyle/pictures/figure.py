@@ -49,6 +49,7 @@ class Panel:
     view: str | Camera = "three_quarter"  # one of `camera.VIEWS`, or the very camera
     note: str = ""  # a line under the picture
     edge: str = "limit"  # what the threshold is
+    marked: bool = True  # whether the extremes of a field that has a unit are marked
 
     @property
     def field(self) -> FieldKey | None:
@@ -96,7 +97,7 @@ def figure(
         axes.set_axis_off()
         _shorten(axes.text(0, -10, panel.title, size=11, weight="bold", color=INK, va="bottom"), width)
         _shorten(axes.text(0, height + 4, panel.note, size=9.5, color=FAINT, va="top"), width)
-        if shows is not None and panel.unit:
+        if shows is not None and panel.unit and panel.marked:
             _mark_extremes(axes, panel, camera)
     for index, (field, scale) in enumerate(scales.items()):
         _draw_bar(page.bar_axes(sheet, index), field[0], field[1], scale, field[-1])

@@ -81,7 +81,8 @@ def bent_panel(surface: SurfaceMesh, simulation: Simulation, row: Row, *, title:
     factor = exaggeration(float(values.max()), surface.size)
     shape = surface.moved(surface.vertices + np.float32(factor) * bend)
     drawn = f"; bend drawn × {factor}" if factor > 1 else ""
-    return field_panel(shape, quantity, values, title=title, note=sentences.figures(row) + drawn)
+    panel = field_panel(shape, quantity, values, title=title, note=sentences.figures(row) + drawn)
+    return replace(panel, marked=False)  # a vertex is off by more than the volume that is judged
 
 
 def stress_note(surface: SurfaceMesh, stress: NDArray[Any], strength: float, row: Row | None) -> str:

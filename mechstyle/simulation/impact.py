@@ -14,7 +14,6 @@ from mechstyle.fea.explicit import Progress, no_progress
 from mechstyle.fea.orientations import FLAT, UP
 from mechstyle.fea.permanent_set import at_nodes
 from mechstyle.fea.snapshots import snapshots
-from mechstyle.loop.control import YIELDED
 from mechstyle.records import Recipe, Simulation
 from mechstyle.records.mesh import Floats, SurfaceMesh
 from mechstyle.records.regions import Point
@@ -139,15 +138,13 @@ def impact_of(simulator: DropSimulator, simulation: Simulation, landing: str = F
     seen = snapshots(tets, material, test, normal=landed.normal, progress=progress, period=simulator.period)
     moved = [body.displacement_at_surface(frame) for frame in seen.displacement]
     stress = np.stack([body.field_at_surface(at_nodes(tets, element.at_corners(points))) for points in seen.von_mises])
-    if test.plastic:  # as `flow_stress` has it: what does not yield is at most at the yield strength
-        yields = simulation.strain_of(landing=landing) > YIELDED
-        stress = np.where(yields, stress, np.minimum(stress, np.float32(material.yield_strength)))
+    whole = simulation.stress_of(landing=landing)
     before = simulator.part.surface.displaced(simulation.displacement).vertices
     turn, shift = rigid_motion(before, before + moved[-1])
     stays = (before + simulation.set_of(landing=landing)) @ turn.T + shift - before
     impact = Impact(
         time=np.append(seen.time, 2.0 * seen.time[-1] - seen.time[-2]), displacement=np.array([*moved, stays], np.float32),
-        stress=np.array([*stress, simulation.stress_of(landing=landing)], np.float32), normal=landed.normal,
+        stress=np.array([*np.minimum(stress, whole), whole], np.float32), normal=landed.normal,
     )  # fmt: skip
     simulator.memo.remember(key, impact)
     return impact

@@ -324,10 +324,11 @@ BEYOND = 1e-3
 
 
 def flow_stress(stress: NDArray[np.float32], strain: NDArray[np.float32], material: Material) -> NDArray[np.float32]:
-    """Stress at the surface [MPa], at least the flow stress where it has yielded and at most the yield strength elsewhere.
+    """Stress at the surface [MPa]: the flow stress where it has yielded, and at most the yield strength elsewhere.
 
-    A mean over 2 mm hides a hinge that is narrower. All of shape [vertex_count], `strain` the plastic one.
+    A mean over 2 mm hides a hinge that is narrower, and a line through Gauss points rises above what the material can bear. All of shape
+    [vertex_count], `strain` the plastic one.
     """
     strength = material.yield_strength
-    flows = np.maximum(stress, strength * (1.0 + BEYOND) + material.hardening * strain)
+    flows = strength * (1.0 + BEYOND) + material.hardening * strain
     return np.where(strain > YIELDED, flows, np.minimum(stress, strength)).astype(np.float32)

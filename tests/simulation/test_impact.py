@@ -1,4 +1,4 @@
-"""The impact on the surface: its field is the verdict's, rigid motion is told from deformation, what was worked out is remembered."""
+"""The impact of a test: on its own tetrahedra, with its field, ending in the shape that stays; rigid motion is told from deformation."""
 
 from __future__ import annotations
 
@@ -8,97 +8,103 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from mechstyle.fea.orientations import UP
-from mechstyle.fea.snapshots import Snapshots
-from mechstyle.fea.stressed_volume import at_nodes
-from mechstyle.geometry.transfer import SurfaceMean, Transfer
+from mechstyle.errors import SimulationFailed
 from mechstyle.loop.objects import Memo, Objects
-from mechstyle.records import Recipe
-from mechstyle.records.material import LIBRARY
-from mechstyle.records.mesh import SurfaceMesh
+from mechstyle.records.mesh import SurfaceMesh, TetMesh
 from mechstyle.simulation import impact as module
+from mechstyle.simulation import meshes
 from mechstyle.simulation.impact import Impact, impact_of, nearest_rigid
-from mechstyle.simulation.part import Workpiece
-from validation.meshes import box
+from support.dropped_block import ripples, simulator
 
 
 @pytest.fixture(scope="module")
-def part():
-    """A block whose surface is finer than its tetrahedra, so that each way of bringing a field to it gives another one."""
-    size = (12.0, 10.0, 16.0)
-    fine = box((7, 6, 9), size)
-    used, faces = np.unique(fine.boundary_faces, return_inverse=True)
-    surface = SurfaceMesh(fine.vertices[used], faces.reshape(-1, 3))
-    return Workpiece(surface, box((4, 3, 4), size), np.full(len(used), 10.0, np.float32), stands=True)
+def shared(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("impact")
+    return Memo(folder / "memo", Objects(folder / "objects"))
 
 
-@pytest.fixture
-def seen(part, monkeypatch):
-    """One moment in which stress and displacement vary over the part, in place of a drop; how often it was asked for."""
-    rng = np.random.default_rng(0)
-    stress, corners = (rng.uniform(1.0, 50.0, (1, len(part.tets.tets), places)).astype(np.float32) for places in (1, 4))
-    touched = part.tets.vertices[:, 2] < 1.0
-    moved = rng.uniform(-1.0, 1.0, (1, len(part.tets.vertices), 3)).astype(np.float32)
-    asked = []
-
-    def moment(*_args, **_options):
-        asked.append(1)
-        return Snapshots(np.zeros(1), moved, stress, corners, touched)
-
-    monkeypatch.setattr(module, "snapshots", moment)
-    return Snapshots(np.zeros(1), moved, stress, corners, touched), asked
+@pytest.fixture(scope="module")
+def tested(block, shared):
+    """A block that lands from 20 m, and its test."""
+    dropped = simulator(block, shared, height=2e4)
+    return dropped, dropped.baseline
 
 
-@pytest.fixture
-def impact(part, seen, tmp_path):
-    """Makes the impact of the unstylized part under a recipe with given settings."""
-    plain = Recipe.of(surface=part.surface.digest, tetrahedra=part.tets.digest, prompt="", material=LIBRARY["PLA"])
-    memo, flat = Memo(tmp_path / "memo", Objects(tmp_path / "objects")), np.zeros(len(part.surface.vertices), np.float32)
-
-    def made(landing=UP, **settings):
-        return impact_of(part, plain.with_settings(**settings), flat, memo, normal=landing)
-
-    return made
+@pytest.fixture(scope="module")
+def impact(tested):
+    """Of its landing on an edge, where it stays bent."""
+    return impact_of(*tested, tested[1].landings[1].name)
 
 
-@pytest.mark.parametrize("transfer", ["barycentric", "nearest"])
-def test_stress_comes_to_the_surface_as_that_of_the_verdict_does(part, seen, impact, transfer):
-    moment, _ = seen
-    nodal = at_nodes(part.tets, moment.corners[0])
-    wanted = SurfaceMean(part.surface)(Transfer(part.surface, part.tets, transfer).to_surface(nodal))
-    assert np.allclose(impact(transfer=transfer).stress[0], wanted)
+def test_it_ends_in_the_shape_that_the_test_found_to_stay(tested, impact):
+    """The film of a landing ended somewhere in its ringing, and what the verdict told was nowhere to be seen."""
+    dropped, simulation = tested
+    edge = simulation.landings[1].name
+    bend = simulation.set_of(landing=edge)
+    assert np.abs(bend).max() > 0.05, "it yields"
+    before = dropped.part.surface.vertices
+    wanted = before + bend - nearest_rigid(before, before + bend)
+    shown = impact.motion(before, impact.end).deformation  # turned with the part
+    assert np.linalg.norm(shown, axis=1) == pytest.approx(np.linalg.norm(wanted, axis=1), abs=2e-4)
+    assert impact.time[-1] > impact.time[-2]
+    assert np.array_equal(impact.stress[-1], simulation.stress_of(landing=edge))
 
 
-def test_the_deformed_surface_is_the_same_whatever_brings_its_stress(impact):
-    assert np.array_equal(impact(transfer="nearest").displacement, impact(transfer="barycentric").displacement)
+def test_no_moment_has_more_stress_than_the_landing_and_the_peak_is_a_moment_before_rest(tested, impact):
+    whole = tested[1].stress_of(landing=tested[1].landings[1].name)
+    assert (impact.stress <= whole + 1e-4).all()
+    assert impact.stress[:-1].max() == pytest.approx(whole.max(), rel=0.1)
+    assert impact.peak < impact.end
 
 
-def test_the_floor_is_level_below_whatever_way_it_lands(part, impact):
+def test_it_is_dropped_on_the_tetrahedra_of_its_test(block, shared, monkeypatch):
+    """The badge told of other tetrahedra than the film beside it showed."""
+    other, seen = TetMesh(block[1].vertices, block[1].tets[::-1]), []
+    monkeypatch.setattr(meshes, "carrying", lambda surface, *_: (other, np.zeros(len(surface.vertices), np.float32)))
+    dropped = simulator(block, shared)
+    simulation = dropped.simulate(ripples(block), thorough=True)
+    real = module.snapshots
+    monkeypatch.setattr(module, "snapshots", lambda tets, *given, **more: seen.append(tets) or real(tets, *given, **more))
+    impact_of(dropped, simulation)
+    assert simulation.mesh != block[1].digest, "the part was meshed again"
+    assert np.array_equal(seen[0].tets, other.tets)
+    assert float(seen[0].volumes.sum()) == pytest.approx(simulation.volume)
+
+
+def test_each_landing_is_remembered_as_its_own(tested, monkeypatch):
+    dropped, simulation = tested
+    other = simulation.landings[1]
+    first, _ = impact_of(dropped, simulation, other.name), impact_of(dropped, simulation)
+    assert first.normal == other.normal
+    monkeypatch.setattr(module, "snapshots", lambda *_, **__: pytest.fail("it was dropped again"))
+    assert impact_of(dropped, simulation, other.name).normal == other.normal
+    assert impact_of(dropped, simulation).normal == (0.0, 0.0, 1.0)
+
+
+def test_what_was_not_tested_has_no_impact(tested):
+    dropped, simulation = tested
+    with pytest.raises(SimulationFailed, match="there was no landing 'on its nose'"):
+        impact_of(dropped, simulation, "on its nose")
+    with pytest.raises(SimulationFailed, match="it blew up"):
+        impact_of(dropped, replace(simulation, landings=(), **_without_fields(), failure="it blew up"))
+    with pytest.raises(SimulationFailed, match="are gone: test the part again"):
+        impact_of(dropped, replace(simulation, mesh="0" * 64))
+
+
+def _without_fields():
+    nothing = np.zeros((0, 0), np.float32)
+    return {f"landing_{what}": nothing for what in ("stress", "strain", "set")}
+
+
+def test_the_floor_is_level_below_whatever_way_it_lands(tested, impact):
     """A block that lands on its side: what is below is what was at that side, at the height at which it stood."""
-    fallen = replace(impact(), normal=(1.0, 0.0, 0.0), displacement=np.zeros((1, len(part.surface.vertices), 3), np.float32))
-    shape = fallen.shape(part.surface, 0)
-    assert np.allclose(np.sort(shape.extents), np.sort(part.surface.extents), atol=1e-6)
-    side = part.surface.vertices[:, 0] == part.surface.vertices[:, 0].min()
-    assert np.allclose(shape.vertices[side, 2], part.surface.vertices[:, 2].min(), atol=1e-6)
-    assert shape.extents[2] == pytest.approx(part.surface.extents[0])
-
-
-def test_each_landing_is_remembered_as_its_own(part, seen, impact):
-    _, asked = seen
-    first = impact()
-    assert first.normal == (0.0, 0.0, 1.0)
-    tipped = impact(landing=(0.0, 1.0, 0.0))
-    assert (tipped.normal, len(asked)) == ((0.0, 1.0, 0.0), 2)
-    assert impact(landing=(0.0, 1.0, 0.0)).normal == (0.0, 1.0, 0.0)
-    assert (impact().normal, len(asked)) == ((0.0, 0.0, 1.0), 2)
-
-
-@pytest.mark.parametrize(("setting", "drops"), [({"transfer": "nearest"}, 2), ({"friction": 0.3}, 2), ({"seed": 7}, 1)])
-def test_what_decides_the_physics_is_another_question_and_nothing_else_is(seen, impact, setting, drops):
-    _, asked = seen
-    impact()
-    impact(**setting)
-    assert len(asked) == drops
+    surface: SurfaceMesh = tested[0].part.surface
+    fallen = replace(impact, normal=(1.0, 0.0, 0.0), displacement=np.zeros((1, len(surface.vertices), 3), np.float32))
+    shape = fallen.shape(surface, 0)
+    assert np.allclose(np.sort(shape.extents), np.sort(surface.extents), atol=1e-6)
+    side = surface.vertices[:, 0] == surface.vertices[:, 0].min()
+    assert np.allclose(shape.vertices[side, 2], surface.vertices[:, 2].min(), atol=1e-6)
+    assert shape.extents[2] == pytest.approx(surface.extents[0])
 
 
 @pytest.fixture
