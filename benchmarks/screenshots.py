@@ -20,9 +20,8 @@ WIDTH, HEIGHT = 1340, 1700  # of the window [pixels]
 REPORT, SCALE = (1100, 1800), 0.75
 PATIENCE = 900_000  # for a run [ms]
 STUDIO = """
-from mechstyle.teaching import LESSON
 from mechstyle_widgets import Studio
-studio = Studio(folder="pawn", **LESSON)
+studio = Studio(folder="pawn")
 studio
 """
 PAINTED = """

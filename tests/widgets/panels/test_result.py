@@ -1,5 +1,6 @@
 """What a run will do, and what has come of it."""
 
+import re
 from html import escape
 from types import SimpleNamespace
 
@@ -9,6 +10,7 @@ import pytest
 from mechstyle.records import Doubt, sentences
 from mechstyle_widgets.panels.result import Result, of_verdict, steps
 from mechstyle_widgets.state.studio_state import StudioState
+from support.records import load_row, row, verdict
 
 SETTINGS = {"schedule": "every", "every": 4, "travel": 0.1, "iterations": 12, "relief": None, "amplitude": None, "orientations": 1}
 
@@ -71,6 +73,20 @@ def test_a_plain_part_has_one_column_of_what_stays_bent(done):
     plain = done.history[0].verdict
     assert '<th scope="col">stays bent</th>' in of_verdict(plain)
     assert '<th scope="col">plain</th>' not in of_verdict(plain)
+
+
+def test_of_many_tests_the_worst_are_shown_and_all_unfold():
+    """A standard has 27 landings; all of them pushed what is looked into out of sight."""
+    rows = [row(0.01 * number, test="any landing", landing=f"on edge {number}") for number in range(12)]
+    said = of_verdict(verdict(*rows))
+    shown, _, every = said.partition("<details><summary>all 12 tests</summary>")
+    assert [f"on edge {number}" for number in (11, 10, 9, 8)] == re.findall(r"on edge \d+(?=</td>)", shown)
+    assert all(f"<td>{one.landing}</td>" in every for one in rows)
+    assert "<details>" not in of_verdict(verdict(*rows[:4]))
+
+
+def test_how_much_of_a_load_is_carried_stands_under_the_table():
+    assert "it carries 1.50 times the load &#x27;coat&#x27;" in of_verdict(verdict(row(), load_row()))
 
 
 def test_a_doubt_stands_under_the_table(done):

@@ -135,8 +135,10 @@ def test_its_factor_can_be_chosen_while_it_is_shown(done):
     assert player._start.children == (player._button,)
     viewer.layer = "stays_bent"
     assert player._factor in player._start.children
+    player.exaggeration = 100.0
     viewer.layer = "style"
     assert player._start.children == (player._button,)
+    assert player.exaggeration == 20.0, "an impact bends far more"
 
 
 # --- side by side -------------------------------------------------------------------------------------------------

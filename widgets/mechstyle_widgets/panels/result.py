@@ -18,6 +18,8 @@ from mechstyle_widgets.state.schedule_forecast import landings_on_the_way, plan_
 from mechstyle_widgets.state.studio_state import StudioState
 
 LANES = ("run", "outcome", "kept")
+MOST = 4
+"""Tests that are shown, the worst of them, before all are asked for."""
 
 
 class Result(Words):
@@ -76,9 +78,14 @@ class Result(Words):
 
 
 def of_verdict(verdict: Verdict) -> str:
-    """HTML of a verdict: its outcome in a sentence, the table of tests, how much it carries, and the doubt where there is one."""
+    """HTML of a verdict: its outcome in a sentence, its worst tests, how much it carries, and the doubt where there is one."""
     (headings, rows), doubt = sentences.tabulated(verdict), sentences.doubt(verdict)
     falls = table(headings, rows) if rows else ""
+    if len(rows) > MOST:  # a standard has 27
+        decides, others = verdict.deciding, zip(verdict.rows, rows, strict=True)
+        worst = sorted(others, key=lambda pair: (pair[0] is not decides, -pair[0].used))[:MOST]
+        every = escape(word("all {} tests").format(len(rows)))
+        falls = f"{table(headings, [cells for _, cells in worst])}<details><summary>{every}</summary>{falls}</details>"
     for carried in filter(None, map(sentences.carried, verdict.rows)):
         falls += f'<div class="mechstyle-note">{escape(said(carried))}</div>'
     unsure = f'<div class="mechstyle-warning" role="status">{escape(said(doubt))}</div>' if doubt else ""

@@ -25,6 +25,8 @@ from mechstyle_widgets.state.studio_state import StudioState
 from mechstyle_widgets.state.troubles import sentence
 from mechstyle_widgets.viewer.layers import Subject, layer_of
 
+DEFORMED = 20.0
+"""Factor by which an impact is deformed at first."""
 FALL = 3.0
 """How long a fall is that is played by itself, from first touch to the shape that stays [s]; slow views take longer."""
 
@@ -50,7 +52,7 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
     impact = traitlets.Instance(Impact, None, allow_none=True)
     landing = traitlets.Unicode(FLAT)
     frame = traitlets.Int(0)
-    exaggeration = traitlets.Float(20.0)
+    exaggeration = traitlets.Float(DEFORMED)
     beside: tuple[tuple[str, int], ...] = ()
     _built = False
     _falling: Timer | None = None
@@ -72,7 +74,9 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
         self._away = lean(ipywidgets.Button, icon="times", tooltip="Back to the part at rest", layout={"width": "36px"})
         self._progress = lean(ipywidgets.FloatProgress, value=0.0, max=1.0, description="dropping", layout={"width": "260px"})
         self._said = lean(ipywidgets.HTML)
-        self._play = lean(ipywidgets.Play, interval=100, show_repeat=False, tooltip="Play on to the shape that stays, and from there again")
+        self._play = lean(
+            ipywidgets.Play, interval=100, show_repeat=False, layout=look, tooltip="Play on to the shape that stays, and from there again"
+        )
         self._peak = lean(ipywidgets.Button, description="peak", tooltip="To the moment of the largest stress", layout={"width": "auto"})
         self._slider = lean(ipywidgets.IntSlider, readout=False, tooltip="Arrow keys step", layout={"width": "220px"})
         self._time = lean(ipywidgets.HTML, layout={"width": "140px"})

@@ -78,7 +78,8 @@ class Layer:
     def at(self, vertex: int) -> str:
         """The value at a vertex, with its unit."""
         value = float(self.values[vertex])
-        return f"{value:.4g} {self.unit}".rstrip() if np.isfinite(value) else "not known"
+        told = f"{round(value, 2) + 0.0:g}" if self.unit == "mm" else f"{value:.4g}"  # a caliper reads no more
+        return f"{told} {self.unit}".rstrip() if np.isfinite(value) else "not known"
 
     def text_at(self, vertex: int) -> str:
         """The value at a vertex as a person reads it."""

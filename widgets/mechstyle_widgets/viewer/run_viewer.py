@@ -19,7 +19,7 @@ from mechstyle_widgets.jupyter.looks import sharing
 from mechstyle_widgets.jupyter.throttle import Newest, Paced
 from mechstyle_widgets.state.studio_state import Linked, StudioState
 from mechstyle_widgets.viewer import badge
-from mechstyle_widgets.viewer.impact_player import ImpactPlayer
+from mechstyle_widgets.viewer.impact_player import DEFORMED, ImpactPlayer
 from mechstyle_widgets.viewer.layers import STYLE, Layer, Subject, subject_of
 from mechstyle_widgets.viewer.viewer import Viewer
 
@@ -216,6 +216,7 @@ class RunViewer(Linked, Viewer):
     def _bend(self, change: Any) -> None:
         """Show the part in the shape that stays, or as it is again."""
         if STAYS_BENT in (change["new"], change["old"]):
+            self.player.exaggeration = DEFORMED
             self._magnify()
             self._show_moment()
 
