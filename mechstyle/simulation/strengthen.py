@@ -47,7 +47,7 @@ REACH = 4.0
 """How far around what is overloaded material is added, fading out [mm]."""
 LEAST = 0.02
 """A round that adds less than this anywhere is the last [mm]."""
-ONCE = 0.5
+ONCE = 0.25
 """Share of the budget that one round may add at most, so that the next can see what it did."""
 
 
