@@ -23,7 +23,7 @@ YIELD = LIBRARY["PLA"].yield_strength
 
 
 class Bent:
-    """Stands in for the drop: a bar that is bent around its middle, σ ∝ 1 / t²; above yield .2 mm · (σ over yield)⁴ stays bent."""
+    """Stands in for the drop: a bar that is bent around its middle, σ ∝ 1 / t²; it yields from .9 on, .2 mm · (σ over strength)⁴ stays bent."""
 
     load = 1.5
 
@@ -34,7 +34,7 @@ class Bent:
         along = self.surface.vertices[:, 0] / np.ptp(self.surface.vertices[:, 0])
         stress = (self.load * YIELD * np.exp(-((along / 0.2) ** 2)) * (4.0 / (4.0 + 2.0 * displacement.max())) ** 2).astype(np.float32)
         over = stress / YIELD
-        strain, bend = np.where(over > 1.0, 0.0025 + 0.01 * (over - 1.0), 0.0), 0.2 * over**4
+        strain, bend = np.where(over > 0.9, 0.0025 + 0.01 * (over - 0.9), 0.0), 0.2 * over**4
         flat = landing(permanent_set=float(bend.max()), plastic_strain=float(strain.max()), maximum=2.0 * float(stress.max()))
         return simulation(
             displacement=displacement, contact=np.zeros(len(stress), bool), landings=(flat,), landing_stress=stress[None],
