@@ -20,8 +20,9 @@ from mechstyle.study.classroom import as_file, collect, prepare
 from support.lanes import lane_on_a_sheet
 
 GOOD = {
-    "part": "ring stand", "prompt": "brick", "material": "PLA", "outcome": "HOLDS", "sure": True, "fall": 1500.0, "survives": 2200.0,
-    "kept": 0.9, "simulations": 3, "vertices": 3000, "tests": ["flat"], "recipe": "0" * 64,
+    "part": "ring stand", "prompt": "brick", "material": "PLA", "outcome": "HOLDS", "sure": True, "fall": 1500.0,
+    "tolerance": 0.2, "permanent_set": 0.063, "worst": "tilted 3° left", "kept": 0.9, "simulations": 3, "vertices": 3000,
+    "recipe": "0" * 64,
 }  # fmt: skip
 
 
@@ -37,7 +38,9 @@ def test_a_report_carries_its_result(tmp_path):
     run = lane_on_a_sheet(tmp_path / "run", name="sheet </script>", iterations=3)
     result = read_result(write_report(run, tmp_path / "Ada.html"))
     assert (result.part, result.prompt, result.kept, result.recipe) == ("sheet </script>", "brick", run.summary.kept, run.recipe.digest)
-    assert (result.outcome, result.fall, result.survives) == (run.verdict.outcome, 1500.0, run.verdict.deciding.height)
+    worst = run.verdict.deciding
+    assert (result.outcome, result.fall, result.tolerance) == (run.verdict.outcome, 1500.0, 0.2)
+    assert (result.permanent_set, result.worst) == (worst.permanent_set, worst.landing)
 
 
 def test_an_unfinished_run_hands_in_nothing(tmp_path):
@@ -56,7 +59,7 @@ def test_who_keeps_most_and_passes_comes_first(tmp_path):
     ]  # fmt: skip
     lines = collect(files, 1500.0).lines[1:]
     assert [(line[0], line[1]) for line in lines] == [("1", "Cem"), ("2", "Ada"), ("–", "Ben"), ("–", "Dea, of a fall of 75 cm")]
-    assert lines[0][4:] == ("NO WORSE", "2.2 m", "95%", "3")
+    assert lines[0][4:] == ("NO WORSE", "0.06 mm", "tilted 3° left", "95%", "3")
 
 
 HOSTILE = {
@@ -67,7 +70,7 @@ HOSTILE = {
     "text": json.dumps(GOOD | {"kept": "all"}),
     "beyond": json.dumps(GOOD | {"kept": 99.0}),
     "infinite": json.dumps(GOOD | {"fall": 1e999}),
-    "below": json.dumps(GOOD | {"survives": -1.0}),
+    "below": json.dumps(GOOD | {"permanent_set": -1.0}),
     "outcome": json.dumps(GOOD | {"outcome": "BEST"}),
     "long": json.dumps(GOOD | {"part": "a" * 9000}),
 }

@@ -38,8 +38,9 @@ def test_the_style_alone_is_the_same_cell_in_both_studies():
 def test_an_ablation_is_every_arm_under_each_condition_and_loads_only_what_carries_something():
     cells = cells_of("ablation", Factors(**{**SMALL, "models": ["wall_hook", "coaster"]}))
     asked = [(cell.part, cell.arm, cell.condition) for cell in cells]
-    assert len(asked) == len(set(asked)) == len({cell.key for cell in cells}) == 4 * 3 + 4 * 2  # a coaster carries nothing
+    assert len(asked) == len(set(asked)) == len({cell.key for cell in cells}) == 5 * 3 + 5 * 2  # a coaster carries nothing
     assert {cell.arm for cell in cells} == set(ARMS)
+    assert {cell.arm for cell in cells if cell.one_factor} == {"one-factor"}
     assert not [one for one in asked if one[0] == "coaster" and one[2] == "load"]
     for cell in cells:
         deep, loaded = cell.condition == "deep", cell.condition == "load"
