@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 
 from mechstyle.errors import BadInput
-from mechstyle.records.load_cases import Load, LoadCase, Patch, Support
+from mechstyle.records import judge
 from mechstyle.records.material import LIBRARY
-from mechstyle.runs.orient import ways_up
+from mechstyle.runs.orient import WayUp, ways_up
 from support.kills import on_a_block
 
 
@@ -25,38 +25,36 @@ def of_another_material(run, **changes):
 
 def test_up_and_down_are_one_drop_and_what_layers_bear_is_what_build_direction_says(block):
     found = ways_up(block, count=4)
-    stress = {way.up: way.stress for way in found.ways}
-    axes = {max(up, tuple(0.0 - part for part in up)) for up in stress}
+    bend = {way.up: way.permanent_set for way in found.ways}
+    axes = {max(up, tuple(0.0 - part for part in up)) for up in bend}
     assert found.drops == len(axes) < len(found.ways)
-    assert all(stress[up] == stress[other] for up in stress for other in stress if np.allclose(np.add(up, other), 0.0))
+    assert all(bend[up] == bend[other] for up in bend for other in bend if np.allclose(np.add(up, other), 0.0))
     layered = block.recipe.with_settings(build_direction=(0.0, 0.0, 1.0))
-    simulation = block.simulator(layered).simulate(block.checkpoint().displacement, thorough=False)
-    assert stress[0.0, 0.0, 1.0] == pytest.approx(simulation.flat.stress, rel=1e-6)
-    assert stress[0.0, 0.0, 1.0] >= block.simulation().flat.stress * (1.0 - 1e-6), "layers only make it weaker"
+    simulation = block.simulator(layered).simulate(block.checkpoint().displacement, thorough=True)
+    worst = judge(simulation, None, layered).deciding
+    upright = next(way for way in found.ways if way.up == (0.0, 0.0, 1.0))
+    assert (upright.permanent_set, upright.used) == (pytest.approx(worst.permanent_set, rel=1e-6), pytest.approx(worst.used, rel=1e-6))
     assert [way.rank for way in found.ways] == sorted(way.rank for way in found.ways)
-    assert found.ways[0].demand <= min(way.demand for way in found.ways) + 0.05
 
 
-def test_loads_pull_at_layers_as_the_drop_does(block, monkeypatch):
-    """Held at one side and pressed down at the other it is bent, which pulls at layers along its length."""
-    plain = {way.up: way.stress for way in ways_up(block, count=3).ways}
-    ends = [Patch(plane=(at, 0.0, 0.0, out, 0.0, 0.0)) for at, out in ((0.1, -1.0), (9.9, 1.0))]
-    case = LoadCase(name="hung", supports=(Support(at=ends[0]),), loads=(Load(at=ends[1], force=(0.0, 0.0, -4000.0)),))
-    recipe = block.recipe.with_settings(loads=(case,))
-    monkeypatch.setattr(type(block.store), "recipe", lambda *_: recipe)
-    loaded = {way.up: way.stress for way in ways_up(block, count=3).ways}
-    assert loaded[1.0, 0.0, 0.0] > 1.1 * plain[1.0, 0.0, 0.0]
+def test_what_uses_little_of_what_is_allowed_is_chosen_by_overhang():
+    """Between a tenth and a third of the tolerance there is nothing to choose; beyond it there is."""
+    ways = [
+        WayUp(name=name, up=(0.0, 0.0, 1.0), permanent_set=0.2 * used, used=used, overhang=over, height=10.0, base=1.0)
+        for name, used, over in (("safest", 0.1, 90.0), ("easiest", 0.3, 10.0), ("bent", 1.4, 0.0))
+    ]
+    assert [way.name for way in sorted(ways, key=lambda way: way.rank)] == ["easiest", "safest", "bent"]
 
 
-@pytest.mark.parametrize(("ratio", "stress"), [(None, None), (1.0, "as it was")])
-def test_no_drop_is_run_where_it_could_tell_nothing(block, monkeypatch, ratio, stress):
+@pytest.mark.parametrize(("ratio", "bend"), [(None, None), (1.0, "as it was")])
+def test_no_drop_is_run_where_it_could_tell_nothing(block, monkeypatch, ratio, bend):
     assert LIBRARY["ABS"].layer_ratio is None
     recipe = of_another_material(block, layer_ratio=ratio)
     monkeypatch.setattr(type(block.store), "recipe", lambda *_: recipe)
     found = ways_up(block, count=3)
     assert found.drops == 0
-    expected = None if stress is None else block.simulation().flat.stress
-    assert {way.stress for way in found.ways} == {expected}
+    expected = None if bend is None else judge(block.simulation(), None, recipe).deciding.permanent_set
+    assert {way.permanent_set for way in found.ways} == {expected}
     assert ("not known" in found.layers) == (ratio is None)
 
 

@@ -23,7 +23,7 @@ YIELD = LIBRARY["PLA"].yield_strength
 
 
 class Bent:
-    """Stands in for the drop: a bar that is bent around its middle, σ ∝ 1 / t²; it yields from .9 on, .2 mm · (σ over strength)⁴ stays bent."""
+    """Stands in for the drop: a bar bent around its middle, σ ∝ 1 / t²; it yields from .9 on, .2 mm · (σ over strength)⁴ stays bent."""
 
     load = 1.5
 
