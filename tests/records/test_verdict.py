@@ -193,6 +193,8 @@ def test_a_crack_is_excused_by_that_of_the_original_alone_however_long():
         judged = judge(torn, a_part({"flat": (0.3, share * BREAKS)}), asked())
         assert (judged.outcome, judged.deciding.used, judged.sure) == ("NO WORSE", 0.3 / (0.3 + MORE_THAN_PLAIN), sure)
     assert judge(torn, a_part({"flat": (0.3, BREAKS)}), asked()).outcome == "FAILS"
+    for share, sure in ((0.95, False), (0.85, True)):  # of a part that may crack or not, like its original
+        assert judge(a_part({"flat": (0.3, share * BREAKS)}), a_part({"flat": (0.3, 1.05 * BREAKS)}), asked()).sure is sure
 
 
 def test_a_collapse_is_excused_by_that_of_the_original_alone():
@@ -228,8 +230,10 @@ def test_the_published_rule_decides_by_the_largest_stress_alone_in_one_row():
         judged = judge(part, peaked, asked("coat", criterion="paper"))
         (only,) = judged.rows
         assert (judged.outcome, only.test, only.stress, only.limit) == (said, "published rule", part.maximum, STRENGTH)
-        assert not only.sure
-    assert judge(replace(calm, loads=(load_result(maximum=STRENGTH / (1.01 + LITERAL_REPEATS)),)), None, asked(criterion="paper")).sure
+        assert (only.sure, only.landing) == (False, "flat")
+    for maximum in (0.0, STRENGTH / (1.01 + LITERAL_REPEATS)):
+        resting = a_part({"flat": 0.0}, landings=(landing(maximum=maximum),), landing_stress=())
+        assert judge(resting, None, asked(criterion="paper")).sure
 
 
 # --- doubts -------------------------------------------------------------------------------------------------------

@@ -13,6 +13,7 @@ from mechstyle.loop.control import YIELDED
 from mechstyle.loop.objects import Memo, Objects
 from mechstyle.records.material import LIBRARY
 from mechstyle.records.simulation import LEAST_CARRIED, VOLUME_ERROR, place_in_words
+from mechstyle.records.verdict import REPEATS
 from mechstyle.simulation import simulator as module
 from mechstyle.simulation.meshes import AGAIN
 from mechstyle.simulation.simulator import BEYOND, STEERING, flow_stress
@@ -83,12 +84,13 @@ def test_a_block_standing_flat_touches_with_its_underside(block, memo):
     assert block[0].vertices[base.contact, 2].max() < 4.0  # seen through elements of 4 mm
 
 
-@pytest.mark.parametrize("height", [3000.0, 2e4])
+@pytest.mark.parametrize("height", [1500.0, 3000.0, 24e3])
 def test_twice_the_height_never_leaves_less(block, memo, height):
-    low, high = (simulator(block, memo, orientations=4, height=times * height).baseline for times in (1.0, 2.0))
+    """To the end of the impact; what a second touch adds may differ by as much as a test repeats."""
+    low, high = (simulator(block, memo, orientations=5, height=times * height, window=None).baseline for times in (1.0, 2.0))
     for one, other in zip(low.landings, high.landings, strict=True):
-        assert other.permanent_set >= one.permanent_set
-        assert other.plastic_strain >= one.plastic_strain
+        assert other.permanent_set >= one.permanent_set - 0.5 * REPEATS
+    assert sum(landing.permanent_set for landing in high.landings) > 1.3 * sum(landing.permanent_set for landing in low.landings)
 
 
 # --- in which landings --------------------------------------------------------------------------------------------
@@ -140,9 +142,9 @@ def test_in_the_loop_it_is_dropped_flat_and_as_the_original_stays_bent_most_and_
 def test_one_landing_that_stays_bent_among_those_asked_for_decides(block, memo):
     sim = simulator(block, memo, poses="box26", orientations=10, height=2e4, tolerance=0.15)
     verdict = sim.judge(sim.baseline, alone=True)
-    assert (verdict.outcome == "HOLDS") == all(landing.permanent_set <= 0.15 for landing in sim.baseline.landings)
-    assert verdict.outcome == "FAILS"
-    assert verdict.deciding.permanent_set == max(landing.permanent_set for landing in sim.baseline.landings)
+    bent = [landing.name for landing in sim.baseline.landings if landing.permanent_set > 0.15 or landing.plastic_strain > PLA.elongation]
+    assert [row.landing for row in verdict.rows if row.outcome == "FAILS"] == bent
+    assert (verdict.outcome, verdict.deciding.landing in bent) == ("FAILS", True)
     assert sum(row.outcome == "HOLDS" for row in verdict.rows) >= 1
 
 
