@@ -14,7 +14,7 @@ NAMES = {
     "\n".join(KINDS.values()), *LIBRARY, *(standard.title for standard in STANDARDS.values()),
 }  # fmt: skip
 """Names of things, which are the same in every language."""
-FIGURES = re.compile(r"[\d.×]+( mm)?|× \d+|(flat|tilted)( .*)?")
+FIGURES = re.compile(r"[\d.×]+( mm)?|× \d+")
 MADE = ("Material: ", "When to test: ", "Holding back: ", "Keep plain: ", "Drop test: ", "● ", "○ ")
 """How labels begin that are made of a heading and of what is chosen, or of a mark and a lane."""
 ENGLISH = re.compile(r"(?i)\b(the|of|and|is|are|with|what|where|from|this|that|which|your|not|or|by|how|has|have|may|it|to|flat|plain)\b")

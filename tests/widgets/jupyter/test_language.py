@@ -52,8 +52,8 @@ def labels(studio: Studio) -> set[str]:
     return found - {""}
 
 
-ENTRY = re.compile("(?:" + "|".join(re.escape(one).replace(r"\{\}", ".*") for one in GERMAN) + r")(: .*, iteration \d+)?")
-"""A label of the table, with what it is made for in the place of `{}`."""
+ENTRY = re.compile("(?:" + "|".join(re.escape(one).replace(r"\{\}", ".*") for one in GERMAN) + r")(: .*, iteration \d+| · [\d.]+ mm)?")
+"""A label of the table, with what it is made for in the place of `{}`; one of a landing is followed by what stays bent."""
 
 
 def test_every_label_is_in_the_table(done):
@@ -149,7 +149,8 @@ REASONS = (
 TESTED = (
     row(0.06), row(0.0, place=""), row(0.61, plastic_strain=0.07, cracks=True),
     row(0.33, plain_permanent_set=0.3, allowed=0.35, outcome="NO WORSE"),
-    row(0.61, test="nearly flat", landing="tilted 3° onto the +x side", place="high up on the right"), load_row(), load_row(0.61),
+    row(0.61, test="nearly flat", landing="tilted 3° onto the right front corner", place="high up on the right"),
+    load_row(), load_row(0.61),
     row(0.12, place="low at the front left", plain_permanent_set=None, plain_plastic_strain=None),
     load_row(0.0, outcome="FAILS", collapses=True, carries=0.4, place="halfway up"), published_row(), published_row(30.0),
 )  # fmt: skip
@@ -159,7 +160,7 @@ TESTED = (
 def test_every_verdict_is_said_in_german():
     doubts = (
         (Doubt(about="limit", value=0.99, test="flat", landing="flat"), Doubt(about="relief", value=0.4)),
-        tuple(Doubt(about="limit", value=0.99, test="nearly flat", landing=f"tilted 3° onto the {side} side") for side in ("+x", "-y")),
+        tuple(Doubt(about="limit", value=0.99, test="nearly flat", landing=f"tilted 3° to the {side}") for side in ("right", "left back")),
         (Doubt(about="limit", value=0.99, test="load", load="coat"), Doubt(about="volume", value=0.05)),
     )
     found = [*map(verdict, TESTED), verdict(row(0.06), load_row()), verdict(measure=0)]

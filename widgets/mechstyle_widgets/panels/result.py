@@ -86,6 +86,7 @@ def of_verdict(verdict: Verdict) -> str:
         worst = sorted(others, key=lambda pair: (pair[0] is not decides, -pair[0].used))[:MOST]
         every = escape(word("all {} tests").format(len(rows)))
         falls = f"{table(headings, [cells for _, cells in worst])}<details><summary>{every}</summary>{falls}</details>"
+    falls = f'<div class="mechstyle-tests">{falls}</div>' if falls else ""
     for carried in filter(None, map(sentences.carried, verdict.rows)):
         falls += f'<div class="mechstyle-note">{escape(said(carried))}</div>'
     unsure = f'<div class="mechstyle-warning" role="status">{escape(said(doubt))}</div>' if doubt else ""

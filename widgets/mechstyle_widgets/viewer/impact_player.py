@@ -232,7 +232,7 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
         if run is not None and checkpoint is not None and checkpoint.simulation:
             found = self._state.simulation(run.store, checkpoint).landings
         self._landings = {one.name: one for one in found}
-        options = [(f"{one.name} · {bend(one.permanent_set)}", one.name) for one in found] or [(FLAT, FLAT)]
+        options = [(said(f"{one.name} · {bend(one.permanent_set)}"), one.name) for one in found] or [(FLAT, FLAT)]
         if tuple(self._which.options) != tuple(options):
             kept = self.landing if self.landing in [name for _, name in options] else options[0][1]
             self._which.options = options
