@@ -8,7 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mechstyle.loop.correction import (
+    AIM,
     EDGES,
+    GAIN,
     LOCAL_ROUNDS,
     MIN_GAIN,
     MOST,
@@ -43,14 +45,15 @@ def peak(*places, height=1.2, elsewhere=0.2):
     return used
 
 
-def corrected(worst, overload=lambda _: peak(30), wanted=RAISED, finished=None, standing=NOWHERE):
+def corrected(worst, overload=lambda _: peak(30), wanted=RAISED, finished=None, standing=NOWHERE, target=None):
     """The reliefs that were tested with their findings, the finished one first, and what is kept in the end.
 
     A made part passes a relief whose `worst` is at most 1; `worst` is None where a test gives no answer.
     """
+    target = wanted if target is None else target
 
     def kept(relief):
-        return float((relief * wanted).sum() / (wanted * wanted).sum())
+        return float((relief * target).sum() / (target * target).sum())
 
     def tested(relief):
         used = worst(relief)
@@ -87,6 +90,12 @@ def test_relief_is_lowered_around_what_is_overloaded_and_nowhere_else():
 def test_the_more_overloaded_the_more_is_taken_but_never_all():
     slightly, plainly, wildly = (lowered_share(peak(30, height=height), NEAR)[30] for height in (0.9, 1.0, 50.0))
     assert 0.0 < slightly < plainly < wildly <= MOST
+
+
+def test_what_is_taken_of_a_place_that_is_overloaded_all_around():
+    over = np.float32(0.2)
+    expected = GAIN * over / (1.0 + 0.3 * over)
+    assert lowered_share(np.full(COUNT, AIM, np.float32) + over * (np.arange(COUNT) > 20), NEAR)[40] == pytest.approx(expected, rel=1e-5)
 
 
 def test_where_no_vertex_is_overloaded_though_a_test_does_not_pass_the_highest_are_lowered():
@@ -164,7 +173,7 @@ def test_a_little_is_not_given_back():
 
 
 def test_only_a_part_that_fails_in_every_try_loses_all_of_it():
-    tried, kept = corrected(lambda relief: 2.0 if relief.any() else 0.5)
+    tried, kept = corrected(lambda relief: 2.0 if relief.any() else 0.5, wanted=BRICKS)
     assert kept == 0.0
     assert tried[-1][1] == "the relief removed"
     assert not np.signbit(tried[-1][0]).any(), "no minus zero: the bytes of the unstylized part"
@@ -231,6 +240,24 @@ def test_a_lowering_that_helped_is_gone_on_from():
     assert -1.0 < tried[1][0][31] < tried[2][0][31]
     assert np.all(tried[2][0][::2] == 1.0)
     assert kept > 0.8
+
+
+def test_after_a_lowering_that_helped_both_ways_are_open_again():
+    answers = iter([3.0, 2.5, 2.6, 2.4, 2.3, 2.2] + [0.5] * 9)
+    tried, _ = corrected(lambda _: next(answers), lambda _: peak(*range(20, 40)), BRICKS)
+    ways = [words.split(" around")[0] for _, words, _ in tried[1:6]]
+    assert ways == ["cuts filled", "cuts filled", "relief lowered", "relief lowered", "relief lowered"]
+
+
+def test_of_a_relief_that_is_less_than_was_asked_for_no_factor_is_tried_that_keeps_less_than_is_known_to_pass():
+    """Without restraint .8 of the target came about, and half of that passes already."""
+    tried, kept = corrected(
+        lambda relief: float(relief.mean()) / 0.6, lambda _: np.full(COUNT, 0.95, np.float32), target=np.float32(1.25) * RAISED
+    )
+    local = next(relief for relief, words, found in tried if found.passes)
+    factors = [relief.mean() for relief, words, _ in tried if words.endswith("whole relief")]
+    assert factors[0] == pytest.approx(0.5 * (1.0 + local.mean())), "halfway between what passes and all of it"
+    assert kept >= 0.8 * (0.6 - NEAREST)
 
 
 def test_what_helped_neither_way_is_left_for_one_factor():
