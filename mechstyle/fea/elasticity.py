@@ -91,7 +91,8 @@ def softened(A: Floats, shares: Floats) -> Floats:
     1 + ‖A‖ bounds the largest eigenvalue of C_p⁻¹. By its root an element that was pressed flat would vibrate faster, and need a smaller
     step: half of it where it is crushed to half its height. With s what it uses up of the step (`explicit.step_shares`), the step of the
     undeformed body stays stable. The price is paid by the stiffest elements where their plastic strain exceeds some 4 %: an elastic strain
-    of more than σ_y/E, and 2 % more dissipation there than plastic work.
+    of more than σ_y/E, and 2 % more dissipation there than plastic work. A knob of 5.5k tetrahedra that lands on an edge and is crushed by
+    half there does 2 % less plastic work than with 0.4 of the step; where nothing is crushed there is no difference.
     """
     size = np.sqrt((A[..., :3] ** 2).sum(axis=-1) + 2.0 * (A[..., 3:] ** 2).sum(axis=-1))
     return np.asarray(1.0 / np.maximum(1.0, shares * (1.0 + size)))

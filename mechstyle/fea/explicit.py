@@ -37,9 +37,8 @@ FLOW, STRAIN, TENSION, STATE = 6, 6, 7, 8
 """What has flowed at a Gauss point is STATE numbers: the FLOW entries xx yy zz xy yz zx of A = C_p⁻¹ − I, and in their places the
 equivalent plastic strain ε_p and the part ε_t of it that was gathered in tension, where p > −σ_vM/3."""
 
-MOST_SHARE, SPREAD = 0.9, 1.4
-"""Most that `step_shares` says, so that nothing is softened below ‖A‖ = 0.1, by which the stiffest tetrahedron gets 5 % faster; and by how
-much the frequency of a quadratic tetrahedron squared may exceed what `elasticity.element_frequencies` lets expect."""
+MOST_SHARE = 0.9
+"""Most that `step_shares` says: nothing is softened below ‖A‖ = 0.1, by which the stiffest tetrahedron gets 5 % faster."""
 
 ELASTIC = 1e30
 """Yield strength from which the kernels take a material for elastic [MPa]."""
@@ -325,10 +324,11 @@ def stable_step(frequency: float, damping: float) -> float:
 def step_shares(body: Discretisation, step: float, damping: Floats) -> Floats:
     """What each tetrahedron uses up of a stable step [ms], ω_e² (Δt² + 2 Δt β_e) / 4, at most MOST_SHARE, shape [tet_count].
 
-    A tetrahedron that gets stiffer by the inverse of it would reach the limit of stability. `elasticity.softened` keeps it there.
+    A tetrahedron that gets stiffer by the inverse of it would reach the limit of stability; `elasticity.softened` keeps it there. With half
+    of it a knob and a phone stand whose edges are crushed break down in falls of 4 m, with 0.7 of it they do not.
     """
     limit = bound(body.stiffness.norms, body.masses, body.highest)
-    squared = SPREAD * limit * (body.frequencies / body.frequencies.max()) ** 2
+    squared = limit * (body.frequencies / body.frequencies.max()) ** 2
     return np.minimum(0.25 * squared * (step**2 + 2.0 * step * damping), MOST_SHARE)
 
 

@@ -5,7 +5,7 @@ import pytest
 
 from mechstyle.errors import BadInput
 from mechstyle.fea.elasticity import corner_gradients, displacement_gradients
-from mechstyle.fea.elements import EDGES, ELEMENTS, GAUSS_A, GAUSS_B, QUADRATIC, element_named, with_nodes
+from mechstyle.fea.elements import EDGES, ELEMENTS, GAUSS_A, GAUSS_B, LINEAR, OVERSHOOT, QUADRATIC, element_named, with_nodes
 
 each_element = pytest.mark.parametrize("element", ELEMENTS.values(), ids=ELEMENTS)
 SLOPE = np.random.default_rng(0).uniform(-0.3, 0.3, (3, 3))
@@ -54,3 +54,17 @@ def test_an_element_nobody_has_is_refused_with_the_nearest():
     assert element_named("tet10") is QUADRATIC
     with pytest.raises(BadInput, match="did you mean 'tet10'"):
         element_named("tet1O")
+
+
+def test_what_is_linear_in_an_element_is_found_at_its_corners():
+    corners = np.array([[5.0, 6.0, 6.0, 5.5], [3.0, 2.5, 3.0, 3.2]])
+    at_points = corners @ ((GAUSS_A - GAUSS_B) * np.eye(4) + GAUSS_B)
+    np.testing.assert_allclose(QUADRATIC.at_corners(at_points), corners)
+    np.testing.assert_array_equal(LINEAR.at_corners([[7.0], [2.0]]), [[7.0] * 4, [2.0] * 4])
+
+
+def test_corners_are_kept_between_nothing_and_a_little_more_than_the_largest_point():
+    """Of running maxima: each point had its own at another moment."""
+    np.testing.assert_allclose(QUADRATIC.at_corners([10.0, 0.0, 0.0, 0.0]), [10.0 * OVERSHOOT, 0.0, 0.0, 0.0])
+    even = np.full((3, 4), 2.0)
+    np.testing.assert_allclose(QUADRATIC.at_corners(even), even)
