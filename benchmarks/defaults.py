@@ -1,4 +1,4 @@
-"""Writes docs/why-these-defaults.md and its rows from what `mechstyle ablation` measured.
+"""Writes docs/why-these-defaults.md and its rows from what `mechstyle study ablation` and `ablation_parts.py` measured.
 
 python benchmarks/defaults.py ablation12 ablation3 load12 deep12 --machine "NVIDIA H100"   # folders of rows
 python benchmarks/defaults.py docs/why-these-defaults.json                                  # the page alone
@@ -13,8 +13,7 @@ from statistics import mean, median
 
 import msgspec
 
-from mechstyle.study.ablation import markdown
-from mechstyle.study.cells import Row, read_table
+from mechstyle.study.cells import Row, markdown, read_table
 from mechstyle.study.grids import ARMS, CONDITIONS
 
 DOCS = Path(__file__).parent.parent / "docs"
@@ -23,13 +22,14 @@ WORTH_TELLING = 0.9
 HEAD = """\
 # Why these defaults
 
-What each mechanism is worth, measured by taking it away. `mechstyle ablation MODEL… -p STYLE… --condition CONDITION…` runs the arms below
-on any parts and styles, in a fall, under a load and with deep relief. It writes a table, a picture and every row.
+What each mechanism is worth, measured by taking it away. `mechstyle study ablation --models … --styles …` runs the arms below on any parts
+and styles, in a fall, under a load and with deep relief, and writes every row.
 
 | arm | what is left |
 |---|---|
 | freestyle | the style alone |
 | static | plain base and thinnest wall, nothing simulated before the end: the twin without feedback |
+| one-factor | as static, then one factor on the whole relief, the largest that passes |
 | finish-first | no masks; the finished relief is dropped and corrected where it fails: the default |
 | masks | masks while the relief grows, then corrections (`--schedule stress`): the default of the Studio |
 
@@ -73,22 +73,35 @@ def follows(rows: Sequence[Row]) -> Iterator[str]:
     for test in tests(rows):
         words = f"{test[0]}, {test[1]} vertices"
         passed = {arm: f"{sum(map(_passes, runs))} of {len(runs)}" for arm in ARMS if (runs := of(rows, test, arm))}
-        worth = ""
+        worth = against_one_factor(rows, test)
         first, masks = of(rows, test, "finish-first"), of(rows, test, "masks")
         if first and masks:
             kept, times = ([f(runs) for runs in (masks, first)] for f in (_kept, _simulations))
-            worth = f"\n  Masks keep {kept[0]:.2f} in the median and finishing first {kept[1]:.2f}, "
+            worth += f"\n  Masks keep {kept[0]:.2f} in the median and finishing first {kept[1]:.2f}, "
             worth += f"with {times[0]:.1f} and {times[1]:.1f} simulations."
         yield f"* **{words}**: {', '.join(f'{arm} {count}' for arm, count in passed.items())} pass.{worth}"
+
+
+def against_one_factor(rows: Sequence[Row], test: tuple[str, int]) -> str:
+    """What feedback keeps beyond one factor where a plain base alone fails, in a sentence; "" where it fails nowhere."""
+    by_arm = [{(row.part, row.prompt): row for row in of(rows, test, arm)} for arm in ("static", "one-factor", "finish-first")]
+    static, whole, fed = by_arm
+    more = [fed[one].kept - whole[one].kept for one in static if not static[one].passes and one in whole and one in fed and fed[one].passes]
+    if not more:
+        return ""
+    return (
+        f"\n  Where a plain base alone fails, {len(more)} runs, feedback keeps {median(more):+.2f} beside one factor in the median,"
+        f" {min(more):+.2f} at least."
+    )
 
 
 def given_up(rows: Sequence[Row]) -> Iterator[str]:
     """Runs of the default that do not pass, are not sure, or keep less than WORTH_TELLING."""
     for row in rows:
         if row.arm == "finish-first" and not (row.passes and row.sure and row.kept >= WORTH_TELLING):
-            reserve = "" if row.reserve is None else f", {row.decides}, reserve {row.reserve - 1.0:+.0%}"
+            bent = "" if row.permanent_set is None else f", {row.permanent_set:.2f} of {row.allowed:.2f} mm, {row.decides}"
             words = f"{row.part.replace('_', ' ')} in {row.prompt}, {row.condition}, {row.vertices} vertices"
-            yield f"* {words}: {row.outcome}{'' if row.sure else ' (not sure)'}{reserve}, keeps {row.kept:.2f}. {row.doubt}".rstrip()
+            yield f"* {words}: {row.outcome}{'' if row.sure else ' (not sure)'}{bent}, keeps {row.kept:.2f}. {row.doubt}".rstrip()
 
 
 def page(rows: Sequence[Row], machine: str) -> str:
@@ -96,7 +109,7 @@ def page(rows: Sequence[Row], machine: str) -> str:
     parts, styles = (list(dict.fromkeys(getattr(row, of) for row in rows)) for of in ("part", "prompt"))
     named = ", ".join(part.replace("_", " ") for part in parts)
     about = "".join(f"* *{name}*: {CONDITIONS[name].about}.\n" for name in dict.fromkeys(test for test, _ in tests(rows)))
-    intro = f"{len(parts)} parts of the gallery in {' and '.join(styles)}: {named}. Solid PLA, a fall of 1.5 m. {machine}\n\n"
+    intro = f"{len(parts)} parts in {' and '.join(styles)}: {named}. Solid PLA, a fall of 1.5 m, a tolerance of 0.2 mm. {machine}\n\n"
     rest = "\nRows: [why-these-defaults.json](why-these-defaults.json).\n"
     rest += "*Passes* counts HOLDS and NO WORSE. *Kept* counts what can be seen.\n"
     lines = list(given_up(rows))

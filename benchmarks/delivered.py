@@ -1,7 +1,7 @@
 """A delivered file simulated again with `--original`: does it come to the outcome of its run?
 
 Each part is stylized, written as 3MF, read again and simulated beside its original, in a process of its own with one thread. Prints a
-table: outcome and reserve of each test, in the run and in the file. A cell that was measured before is read from the file of --json.
+table: outcome and what stays bent flat and at worst, of the run and of the file. A cell that was measured before is read from --json.
 
 python benchmarks/delivered.py --jobs 16 --json delivered.json                   # eight parts, 2000 to 25 000 vertices
 python benchmarks/delivered.py --cells utensil_grip:2000 s_hook:3000 --style cactus
@@ -31,11 +31,11 @@ CELLS = (
 
 
 class Told(msgspec.Struct, frozen=True):
-    """Outcome of a simulation, whether it is sure, and the reserve of each test that decides."""
+    """Outcome of a simulation, whether it is sure, and what stays bent in each test [mm]."""
 
     outcome: str = ""
     sure: bool = False
-    reserves: dict[str, float] = {}
+    bent: dict[str, float] = {}
 
 
 class Found(msgspec.Struct, frozen=True, kw_only=True):
@@ -81,33 +81,40 @@ def found(cell: str, style: str, device: str) -> Found:
 
 def told(verdict):  # noqa: ANN001, ANN201 — a Verdict, whose module is imported in the processes that use it
     """What a verdict comes to."""
-    return Told(verdict.outcome, verdict.sure, {row.test: row.reserve for row in verdict.rows if row.decides})
+    return Told(verdict.outcome, verdict.sure, {row.name: row.permanent_set for row in verdict.rows})
 
 
 def table(all_found: Sequence[Found]) -> Iterator[str]:
     """Runs beside their files, as Markdown."""
-    yield "| part | vertices | kept | run | its file | same | flat: run | file | nearly flat: run | file |"
+    yield "| part | vertices | kept | run | its file | same | flat: run [mm] | file | at worst: run [mm] | file |"
     yield "|---" * 10 + "|"
     for one in all_found:
         part, vertices = one.cell.split(":")
         if one.failure:
             yield f"| {part} | {vertices} | {one.failure} |" + " – |" * 7
             continue
-        reserves = (told.reserves.get(test) for test in ("flat", "nearly flat") for told in (one.run, one.file))
+        bent = (of(told.bent) for of in (_flat, _worst) for told in (one.run, one.file))
         outcomes = (f"{told.outcome}{'' if told.sure else ' (not sure)'}" for told in (one.run, one.file))
         cells = (part, vertices, f"{one.kept:.2f}", *outcomes, "yes" if one.run.outcome == one.file.outcome else "**no**")
-        yield f"| {' | '.join((*cells, *('–' if value is None else f'{value:.3f}' for value in reserves)))} |"
+        yield f"| {' | '.join((*cells, *('–' if value is None else f'{value:.3f}' for value in bent)))} |"
     same = sum(one.run.outcome == one.file.outcome for one in all_found if not one.failure)
-    yield f"\n{same} of {len(all_found)} have the same outcome. Reserve is what is survived over what is needed; below 1 a test fails."
+    yield f"\n{same} of {len(all_found)} have the same outcome."
+
+
+def _flat(bent: dict[str, float]) -> float | None:
+    return next(iter(bent.values()), None)
+
+
+def _worst(bent: dict[str, float]) -> float | None:
+    return max(bent.values(), default=None)
 
 
 def differences(all_found: Sequence[Found]) -> Iterator[str]:
-    """How far reserves of files are from those of their runs, and how many doubts only one of the two leaves."""
+    """How far what stays bent of files is from that of their runs, and how many doubts only one of the two leaves."""
     pairs = [(one.run, one.file) for one in all_found if not one.failure]
-    both = [(run.reserves[test], file.reserves[test]) for run, file in pairs for test in run.reserves if test in file.reserves]
-    apart = sorted(abs(file / run - 1.0) for run, file in both)
+    apart = sorted(abs(file.bent[test] - run.bent[test]) for run, file in pairs for test in run.bent if test in file.bent)
     if apart:
-        yield f"Reserves differ by {median(apart):.1%} in the median and by {apart[-1]:.1%} at most."
+        yield f"What stays bent differs by {median(apart):.3f} mm in the median and by {apart[-1]:.3f} mm at most."
     yield f"{sum(run.sure and not file.sure for run, file in pairs)} are sure in the run and not in the file."
 
 

@@ -41,7 +41,7 @@ ROOT = Path(__file__).parents[1]
 EXPLAINED = Path(__file__).with_suffix(".toml")
 MODULES = (
     "mechstyle/loop/control.py", "mechstyle/loop/schedule.py", "mechstyle/loop/correction.py", "mechstyle/loop/minimum_wall.py",
-    "mechstyle/fea/stressed_volume.py", "mechstyle/geometry/transfer.py", "mechstyle/geometry/resting_face.py",
+    "mechstyle/fea/permanent_set.py", "mechstyle/geometry/transfer.py", "mechstyle/geometry/resting_face.py",
     "mechstyle/geometry/region_selection.py", "mechstyle/styling/prompt.py",
 )  # fmt: skip
 MOST_SURVIVORS = 0.08

@@ -32,7 +32,7 @@ from mechstyle.pictures.panels import Picture
 from mechstyle.records.load_cases import LoadCase
 from mechstyle.runs.run import Run
 from mechstyle.simulation.physics import PHYSICS_VERSION
-from mechstyle.study.applications import Pair
+from mechstyle.teaching import bent
 
 ROOT = Path(__file__).parent.parent
 DOCS, LIST = ROOT / "docs", ROOT / "docs" / "pictures.json"
@@ -62,9 +62,9 @@ def demo() -> list[Run]:
     """The part of the demo: plain, freely, with feedback."""
     folder = WORK / "demo"
     subprocess.run([sys.executable, "-m", "mechstyle", "demo", "--out", str(folder)], check=True)
-    runs = [Run.open(folder / name, "cpu") for name in ("freestyle", "mechstyle")]
-    keep("demo", Pair(*runs).show())
-    return runs
+    free, fed = (Run.open(folder / name, "cpu") for name in ("freestyle", "mechstyle"))
+    keep("demo", bent({"plain": (free, 0), "Freestyle": free, "MechStyle": fed}))
+    return [free, fed]
 
 
 def tutorial() -> list[Run]:
