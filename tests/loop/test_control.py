@@ -123,6 +123,7 @@ def test_utilisation_is_the_stress_over_the_strength_and_beyond_it_the_strain_ov
 @given(stress=st.floats(0, 100, width=32), strain=st.floats(0, 1, width=32))
 def test_it_is_above_one_exactly_where_a_place_has_yielded(stress, strain):
     assert (utilisation(field(stress), field(strain), PLA)[0] > 1.0) == (strain > YIELDED)
+    assert YIELDED == 0.002, "R_p0.2"
 
 
 # --- demand ---------------------------------------------------------------------------------------------------------
