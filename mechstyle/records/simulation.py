@@ -156,9 +156,9 @@ class Simulation:
         count = len(self.displacement)
         for name, kind in (("displacement", np.float32), ("contact", np.bool_)):
             object.__setattr__(self, name, frozen_array(getattr(self, name), kind, (count,), name))
-        for kind, results in (("landing", self.landings), ("load", self.loads)):
+        for test, results in (("landing", self.landings), ("load", self.loads)):
             for what, more in (("stress", ()), ("strain", ()), ("set", (3,))):
-                name, shape = f"{kind}_{what}", (len(results), count, *more)
+                name, shape = f"{test}_{what}", (len(results), count, *more)
                 given = np.asarray(getattr(self, name), np.float32)
                 values = np.zeros(shape, np.float32) if given.size == 0 else given.reshape(shape)
                 object.__setattr__(self, name, frozen_array(values, np.float32, shape, name))

@@ -245,7 +245,8 @@ def _failure(simulation: Simulation, original: Simulation | None, recipe: Recipe
             return part.failure if part is simulation else f"the original could not be simulated: {part.failure}"
         if not part.of("flat"):
             return f"{whose} was not dropped"
-        for one in (*part.landings, *part.loads):
+        tests: tuple[Landing | LoadResult, ...] = (*part.landings, *part.loads)
+        for one in tests:
             if not all(math.isfinite(value) and value >= 0.0 for value in (one.permanent_set, one.plastic_strain, one.maximum)):
                 return f"what stays bent of {whose} in the test {one.name!r} is not a finite number"
     if original is not None and original.of("nearly flat") and not simulation.of("nearly flat"):
@@ -266,13 +267,14 @@ def _row(found: Landing | LoadResult, plain: Landing | LoadResult | None, recipe
         outcome = "HOLDS"
     elif plain is not None and found.permanent_set <= allowed and cracks <= plain_cracks and collapses <= plain_collapses:
         outcome = "NO WORSE"
-    which = {"test": "load", "load": found.name} if isinstance(found, LoadResult) else {"test": found.way, "landing": found.name}
+    landing, load = (None, found) if isinstance(found, LoadResult) else (found, None)
     return Row(
-        **which, outcome=outcome, permanent_set=found.permanent_set, allowed=allowed,
+        test="load" if landing is None else landing.way, landing="" if landing is None else landing.name,
+        load="" if load is None else load.name, outcome=outcome, permanent_set=found.permanent_set, allowed=allowed,
         plain_permanent_set=None if plain is None else plain.permanent_set, plastic_strain=found.plastic_strain,
         plain_plastic_strain=None if plain is None else plain.plastic_strain, elongation=elongation, cracks=cracks, collapses=collapses,
-        carries=found.factor if isinstance(found, LoadResult) else None, most_tried=isinstance(found, LoadResult) and not found.reached,
-        where=found.where, place=found.place,
+        carries=None if load is None else load.factor, most_tried=load is not None and not load.reached, where=found.where,
+        place=found.place,
     )  # fmt: skip
 
 

@@ -201,7 +201,10 @@ class DropSimulator:
         return found
 
     def _each_dropped(self, tets: TetMesh, numbers: Sequence[int]) -> list[tuple[Drop, int]]:
-        """The drop of each landing, and where it stands in it; if one breaks down, each by itself, so that no other is lost with it."""
+        """The drop of each landing, and its number there.
+
+        If one breaks down, each is dropped by itself, so that no other is lost with it.
+        """
         result = self._dropped(tets, numbers)
         if not result.failure or len(numbers) == 1:
             return [(result, index) for index in range(len(numbers))]
