@@ -22,16 +22,16 @@ STEPS = 256
 
 @dataclass(frozen=True)
 class Scale:
-    """A colour scale: from values to colours. It rises, or falls where less is worse, as with a safety factor."""
+    """A colour scale: from values to colours."""
 
-    low: float  # value at the pale end [unit of the field]; above `high` on a scale that falls
+    low: float  # value at the pale end [unit of the field]
     high: float  # value at the dark end, or at the top of the scale where a threshold lies before it
-    threshold: float | None = None  # values beyond it are set apart, None for none
+    threshold: float | None = None  # values above it are set apart, None for none
 
     def __post_init__(self) -> None:
         """Refuse a scale without extent."""
-        if not (np.isfinite([self.low, self.high]).all() and self.low != self.high):
-            raise BadInput(f"a colour scale needs two different ends, but they are {self.low:g} and {self.high:g}")
+        if not (np.isfinite([self.low, self.high]).all() and self.low < self.high):
+            raise BadInput(f"a colour scale needs two different ends, the smaller first, but they are {self.low:g} and {self.high:g}")
         if self.threshold is not None and not np.isfinite(self.threshold):
             raise BadInput(f"the threshold of a colour scale must be a number, not {self.threshold}")
 
@@ -41,21 +41,16 @@ class Scale:
         return float(self.threshold) if self.split and self.threshold is not None else self.high
 
     @property
-    def lower_is_worse(self) -> bool:
-        """Whether less is worse."""
-        return self.low > self.high
-
-    @property
     def split(self) -> bool:
         """Whether the threshold lies inside the scale."""
-        return self.threshold is not None and min(self.low, self.high) < self.threshold < max(self.low, self.high)
+        return self.threshold is not None and self.low < self.threshold < self.high
 
     def beyond(self, values: ArrayLike) -> NDArray[np.bool_]:
-        """Whether values lie beyond the threshold, above it or on a scale that falls below it, same shape."""
+        """Whether values lie above the threshold, same shape."""
         given = np.asarray(values)
         if self.threshold is None:
             return np.zeros(given.shape, bool)
-        return np.asarray(given < self.threshold if self.lower_is_worse else given > self.threshold)
+        return np.asarray(given > self.threshold)
 
     def colours(self, values: ArrayLike) -> Colours:
         """Linear RGB in [0, 1], to be lit, of values of any shape, shape [..., 3]; grey where a value is not a number."""

@@ -235,23 +235,21 @@ export class Player {
     this.knob.classList.toggle("ms-away", !split);
     if (key === "style") return;
     const place = split ? Math.min(Math.max((this.threshold - low) / (high - low), 0), 1) : 1;
-    Object.assign(this.knob, { min: Math.min(low, high), max: Math.max(low, high), value: this.threshold ?? high });
-    this.knob.dir = low > high ? "rtl" : "ltr"; // the bar runs to what is worse
+    Object.assign(this.knob, { min: low, max: high, value: this.threshold ?? high });
     this.knob.setAttribute("aria-valuetext", split ? withUnit(this.threshold, unit) : "none");
-    const side = low > high ? "below" : "above";
-    this.label.textContent = (unit ? `${label} [${unit}]` : label) + (split ? ` · ${this.shareBeyond()} ${side} ${withUnit(this.threshold, unit)}` : "");
+    this.label.textContent = (unit ? `${label} [${unit}]` : label) + (split ? ` · ${this.shareAbove()} above ${withUnit(this.threshold, unit)}` : "");
     this.bar.style.background = this.gradient(place);
     this.ticks.replaceChildren(element("span", {}, shown(low)), element("span", {}, (bounded ? "≥ " : "") + shown(high)));
   }
 
-  shareBeyond() {
-    const way = Math.sign(this.layer.high - this.layer.low), { low, step } = this.replay.channels[this.layer.key], raw = plane(this.replay, this.layer.key, this.frame);
-    let [beyond, all] = [0, 0];
+  shareAbove() {
+    const { low, step } = this.replay.channels[this.layer.key], raw = plane(this.replay, this.layer.key, this.frame);
+    let [above, all] = [0, 0];
     for (let i = 0; i < raw.length; i++) {
       all += this.areas[i];
-      if (raw[i] < 65535 && way * (low + step * raw[i] - this.threshold) > 0) beyond += this.areas[i];
+      if (raw[i] < 65535 && low + step * raw[i] > this.threshold) above += this.areas[i];
     }
-    return `${((100 * beyond) / all).toFixed(1)} % of the surface`;
+    return `${((100 * above) / all).toFixed(1)} % of the surface`;
   }
 
   // The ramp up to the threshold, then the hatch the surface has above it.

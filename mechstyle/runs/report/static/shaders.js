@@ -31,7 +31,7 @@ vec3 mapped() {
   if (!split) return shade;
   if (abs(value - range.z) < 1.1 * pixel * fwidth(value)) return line;
   bool hatched = mod(gl_FragCoord.x + gl_FragCoord.y, 9.0 * pixel) < 3.0 * pixel;
-  return (value - range.z) * (range.y - range.x) > 0.0 ? (hatched ? stripe : above) : shade;
+  return value > range.z ? (hatched ? stripe : above) : shade;
 }
 
 float light(vec3 n) {
