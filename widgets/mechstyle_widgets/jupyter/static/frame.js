@@ -210,6 +210,11 @@ function label(root) {
   for (const one of root.querySelectorAll("button.widget-toggle-button")) set(one, "aria-pressed", one.classList.contains("mod-active"));
   for (const one of root.querySelectorAll("button.mechstyle-pin")) set(one, "aria-label", one.title);
   for (const one of root.querySelectorAll("button[title]:not([aria-label])")) if (!one.textContent.trim()) one.setAttribute("aria-label", one.title);
+  for (const play of root.querySelectorAll(".widget-play")) {
+    const [go, stop] = play.querySelectorAll("button");
+    set(go, "aria-label", say("Play"));
+    set(stop, "aria-label", say("Back to the start"));
+  }
   for (const upload of root.querySelectorAll(".widget-upload")) { // ipywidgets counts what was read
     for (const text of upload.childNodes) if (text.nodeType === Node.TEXT_NODE && / \(\d+\)$/.test(text.data)) text.data = text.data.replace(/ \(\d+\)$/, "");
   }
