@@ -119,7 +119,8 @@ def report(run: Any, *, as_json: bool) -> None:
     for what, path in summary.files.items():
         out.print(f"{what}: {escape(path)}")
     kept = f"style kept {summary.kept:.0%}; style loss {summary.style_loss_ratio:.1%} of its start"
-    out.print(f"{kept}; {len(summary.simulations)} simulations\n")
+    many = len(summary.simulations)
+    out.print(f"{kept}; {many} {'simulation' if many == 1 else 'simulations'}\n")
     report_verdict(run.verdict)
 
 

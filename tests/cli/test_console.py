@@ -12,11 +12,11 @@ from mechstyle.cli.app import PANELS, app
 from mechstyle.cli.console import COLOURS, report_verdict, table, verdict_text
 from mechstyle.cli.console import out as stdout
 from mechstyle.records import Doubt, sentences
-from support.records import FALL, UNKNOWN, published_row, row, verdict
+from support.records import UNKNOWN, row, verdict
 
 ROWS = {
-    sentences.COLUMNS: ("nearly flat: tilted 3° onto the left front corner", "99 cm", "90 cm", "1.5 m", "+1%", "NO WORSE (not sure)"),
-    ("test", "plain", "Freestyle", "MechStyle", "asked"): ("nearly flat", "99 cm", "20 cm FAILS", "90 cm NO WORSE", "1.5 m"),
+    sentences.COLUMNS: ("tilted 3° to the left front", "0.22 mm", "0.25 mm", "0.27 mm", "1.4%", "NO WORSE (not sure)"),
+    ("test", "plain", "Freestyle", "MechStyle", "allowed"): ("flat", "0.22 mm", "1.20 mm, cracks FAILS", "0.25 mm NO WORSE", "0.27 mm"),
 }
 
 
@@ -49,18 +49,19 @@ def printed(judged):
 
 def test_a_verdict_is_its_head_its_table_and_its_doubt():
     doubt = Doubt(about="limit", value=1.01, test="nearly flat", landing="tilted")
-    nearly = row(0.6 * FALL, test="nearly flat", landing="tilted", outcome="NO WORSE", limit=59.0, original=0.65 * FALL)
-    judged = verdict(row(2.0 * FALL, original=2.1 * FALL), nearly, published_row(), doubts=(doubt,))
+    nearly = row(0.27, test="nearly flat", landing="tilted", outcome="NO WORSE", plain_permanent_set=0.23, allowed=0.28)
+    judged = verdict(row(0.06), nearly, doubts=(doubt,))
     said = printed(judged)
     assert said.startswith(judged.head)
     assert said.endswith(judged.doubt)
-    assert "test plain styled asked reserve outcome flat 3.1 m 3.0 m 1.5 m +100% HOLDS" in said
-    assert "NO WORSE (not sure)" in said
-    assert said.count("not judged") == 1, "the published rule is shown and does not decide"
+    assert "test plain styled allowed strain outcome flat 0 mm 0.06 mm 0.20 mm 0.0% HOLDS" in said
+    assert "tilted 0.23 mm 0.27 mm 0.28 mm 0.0% NO WORSE (not sure)" in said
 
 
 def test_a_part_that_is_tested_by_itself_has_one_column_of_figures():
-    assert "test survives asked reserve outcome flat 3.0 m 1.5 m +100% HOLDS" in printed(verdict(row(2.0 * FALL)))
+    said = printed(verdict(row(0.06, plain_permanent_set=None)))
+    assert "allowed strain outcome flat 0.06 mm 0.20 mm 0.0% HOLDS" in said
+    assert "plain" not in said
 
 
 def test_what_gave_no_answer_has_no_table():

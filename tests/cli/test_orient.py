@@ -11,15 +11,15 @@ def told(*arguments):
 
 
 def test_a_table_has_a_row_for_each_way_up_and_says_what_is_assumed(sheet, monkeypatch):
-    here = {"limit": 45.6, "overhang": 250.0, "height": 20.0, "base": 99.0}
-    on_side = WayUp(name="on its -x side", up=(1.0, 0.0, 0.0), stress=30.04, **here)
-    ways = (on_side, WayUp(name="flat", up=(0.0, 0.0, 1.0), stress=None, **here))
+    here = {"overhang": 250.0, "height": 20.0, "base": 99.0}
+    on_side = WayUp(name="on its -x side", up=(1.0, 0.0, 0.0), permanent_set=0.094, used=0.47, **here)
+    ways = (on_side, WayUp(name="flat", up=(0.0, 0.0, 1.0), permanent_set=None, used=None, **here))
     monkeypatch.setattr("mechstyle.runs.orient.ways_up", lambda *_, **__: WaysUp(ways=ways, layers="weaker [a lot]", drops=3))
     outcome = told(sheet().store.root)
     assert outcome.exit_code == 0, outcome.output
     rows = [line.split() for line in outcome.output.splitlines()]
-    assert ["on", "its", "-x", "side", "1,", "0,", "0", "30.0", "45.6", "2.5", "20.0", "1.0"] in rows
-    assert ["flat", "0,", "0,", "1", "not", "known", "45.6", "2.5", "20.0", "1.0"] in rows
+    assert ["on", "its", "-x", "side", "1,", "0,", "0", "0.09", "mm", "47%", "2.5", "20.0", "1.0"] in rows
+    assert ["flat", "0,", "0,", "1", "not", "known", "–", "2.5", "20.0", "1.0"] in rows
     assert "weaker [a lot]" in outcome.output
     assert "3 drop tests were run or recalled" in outcome.output
 

@@ -31,8 +31,7 @@ def test_walls_too_thin_are_warned_of_before_the_minutes_of_meshing(command, as_
     assert ("error: meshed too soon, or at all" in after) is not as_json
 
 
-@pytest.mark.parametrize("call", [ms.stylize, ms.deepest])
-def test_walls_too_thin_are_logged_before_the_minutes_of_meshing_where_python_asks(call, tmp_path, monkeypatch, caplog):
+def test_walls_too_thin_are_logged_before_the_minutes_of_meshing_where_python_asks(tmp_path, monkeypatch, caplog):
     """A program learned of them from the notes of the finished run."""
 
     def never(*_: object) -> None:
@@ -43,7 +42,7 @@ def test_walls_too_thin_are_logged_before_the_minutes_of_meshing_where_python_as
         monkeypatch.setattr(f"mechstyle.simulation.part.{name}", never)
     part = ms.load("gallery:pen_holder")
     with pytest.raises(SimulationFailed, match="meshed too soon"):
-        call(part, "brick", vertices=1500, minimum_wall=5.0, out=tmp_path / "run", device="cpu")
+        ms.stylize(part, "brick", vertices=1500, minimum_wall=5.0, out=tmp_path / "run", device="cpu")
     assert ["thinner than the 5 mm minimum: it may not print" in one.getMessage() for one in caplog.records] == [True]
 
 
