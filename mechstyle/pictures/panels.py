@@ -66,7 +66,9 @@ def field_panel(
 DRAWN = 0.06
 """What stays bent is drawn about this large, over the size of the part …"""
 FACTORS = (1, 2, 5, 10, 20, 50, 100)
-"""… by one of these factors."""
+"""… by one of these factors …"""
+EDGE = 0.4
+"""… or, where little of it is off by far more than is judged, this share of that."""
 
 
 def exaggeration(bend: float, size: float) -> int:
@@ -78,10 +80,10 @@ def bent_panel(surface: SurfaceMesh, simulation: Simulation, row: Row, *, title:
     """A part in the shape that it keeps after the test of a row, exaggerated, coloured by how far it is off [mm]."""
     bend, quantity = simulation.set_of(landing=row.landing, load=row.load), fields.stays_bent(row)
     values = quantity.of(simulation)
-    factor = exaggeration(float(values.max()), surface.size)
+    factor = exaggeration(max(row.permanent_set, EDGE * float(values.max())), surface.size)
     shape = surface.moved(surface.vertices + np.float32(factor) * bend)
-    drawn = f"; bend drawn × {factor}" if factor > 1 else ""
-    panel = field_panel(shape, quantity, values, title=title, note=sentences.figures(row) + drawn)
+    drawn = f", drawn × {factor}" if factor > 1 else ""
+    panel = field_panel(shape, quantity, values, title=title + drawn, note=sentences.figures(row))
     return replace(panel, marked=False)  # a vertex is off by more than the volume that is judged
 
 
