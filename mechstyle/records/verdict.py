@@ -181,7 +181,11 @@ class Verdict(msgspec.Struct, frozen=True, kw_only=True):
     @property
     def deciding(self) -> Row | None:
         """The worst of the rows that decide, None where nothing could be tested."""
-        return max((row for row in self.rows if row.decides), key=lambda row: (_SEVERITY[row.outcome], row.used), default=None)
+
+        def worse(row: Row) -> tuple[int, float]:  # of what holds, "at worst" is said of millimetres, whatever the strain
+            return _SEVERITY[row.outcome], row.permanent_set if row.outcome == "HOLDS" and row.stress is None else row.used
+
+        return max((row for row in self.rows if row.decides), key=worse, default=None)
 
     def row(self, *, landing: str = "", load: str = "") -> Row | None:
         """The row of a landing or a load, None if there is none."""

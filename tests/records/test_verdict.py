@@ -222,6 +222,13 @@ def test_a_row_has_the_figures_of_both_parts_and_the_worst_decides():
     assert (judged.row(landing="none"), judged.tolerance, judged.measure) == (None, TOLERANCE, MEASURE)
 
 
+def test_of_what_holds_the_worst_is_what_stays_bent_most():
+    """Said was "at worst 0.03 mm" of a table with 0.05 mm, because that row was strained more."""
+    judged = judge(a_part({"flat": 0.03, "direction 1": (0.05, 0.0)}), None, asked())
+    strained = msgspec.structs.replace(judged.rows[0], plastic_strain=0.9 * BREAKS)
+    assert msgspec.structs.replace(judged, rows=(strained, judged.rows[1])).deciding.permanent_set == 0.05
+
+
 def test_the_published_rule_decides_by_the_largest_stress_alone_in_one_row():
     calm, peaked = (a_part({"flat": 0.0, "direction 1": 9.0, "coat": 9.0}) for _ in range(2))
     calm = replace(calm, loads=(load_result(maximum=STRENGTH),))
