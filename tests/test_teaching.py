@@ -21,6 +21,21 @@ def test_the_pawn_is_closed_stands_and_is_thinnest_at_its_neck():
     assert np.hypot(x, y)[~neck].max() == pytest.approx(15.0)
 
 
+@pytest.mark.parametrize(("stem", "head"), [(12.0, 28.0), (9.0, 28.0), (14.0, 36.0)])
+def test_the_trophy_is_closed_stands_on_a_foot_and_prints_without_support(stem, head):
+    part = teaching.trophy(stem, head)
+    assert part.is_closed
+    assert part.tets.volumes.min() > 0.0
+    assert part.volume == pytest.approx(part.tets.volumes.sum(), rel=1e-6)
+    x, y, z = part.vertices.T
+    radius = np.hypot(x, y)
+    assert radius[(z > 14.0) & (z < 50.0)].max() == pytest.approx(0.5 * stem, abs=0.02)
+    assert radius[z > 51.0].max() == pytest.approx(0.5 * head, rel=0.03)
+    hangs = part.face_normals[:, 2][part.vertices[part.faces][:, :, 2].min(axis=1) > 0.0].min()
+    assert hangs > -np.sin(np.radians(52.0)), "a cone of 45°, a little more where its smooth line turns"
+    assert prepare(part).stands
+
+
 def test_every_class_has_the_same_part_however_many_vertices_it_asks_for():
     again = teaching.turned(teaching.PROFILE, teaching.RINGS, teaching.LAYERS)
     for vertices in (900, 25_000):
