@@ -27,8 +27,10 @@ QUIET_TIME = 0.75
 in brick bears most 0.7 after it has left the floor; up to 1.5 it may bear 4 % more."""
 
 CALM_TIME, CALM_STRESS, CALM_ENERGY = 0.25, 0.9, 0.01
-"""When a body that has yielded is done sooner. For so much of its lowest period it has not touched the floor or flowed, and either its
-stress stayed below so much of the yield strength for twice as long, or what it vibrates is less than so much of the plastic work."""
+"""When a body that may yield is done sooner. For so much of its lowest period it has not touched the floor or flowed, and either its stress
+stayed below so much of the yield strength for twice as long, or what it vibrates is less than so much of the plastic work; and no touch is
+near. A knob, a tealight holder, a phone stand and a wall hook in five landings each, flat to 30°, keep within 0.001 mm what they keep with
+QUIET_TIME alone; waited for two periods, within 3 %. It saves a third of a flat landing and next to nothing where much is bent."""
 
 MIN_IMPULSE = 1e-4
 """Impulse of the floor that counts as contact, over the momentum at first touch."""
@@ -88,17 +90,20 @@ class Rest:
         body: The body.
         scheme: The step, with its law.
         springback: Displacement of nodes [mm], [states, node_count, 3], that plastic flow A leaves, [states, tet_count, points, 6].
+
+    Attributes:
+        springback: The same.
     """
 
     def __init__(self, body: Discretisation, scheme: Scheme, springback: Callable[[NDArray[np.float32]], Floats]) -> None:
-        self._body, self._scheme, self._springback = body, scheme, springback
+        self._body, self._scheme, self.springback = body, scheme, springback
 
     def __call__(self, plastic: NDArray[np.float32]) -> tuple[Floats, float]:
         """Displacement of the nodes [mm], shape [node_count, 3], and strain energy [mJ], of what has flowed, as `Track.plastic`."""
         body, flow = self._body, plastic[..., :FLOW]
         if not flow.any():
             return np.zeros((len(body.masses), 3)), 0.0
-        displacement = self._springback(flow[None])[0]
+        displacement = self.springback(flow[None])[0]
         H = displacement_gradients(body.mesh, displacement[body.place])[body.tet_order]
         shares = np.broadcast_to(self._scheme.shares, len(body.volumes))[:, None]
         density = energy_density(self._scheme.law, H, flow.astype(np.float64), shares)
@@ -117,6 +122,7 @@ class Track:
 
     Attributes:
         rule: When it ends.
+        rest: The shape in which it flies on.
         begun: When each phase began [ms since first touch].
         speeds: Speed of the touching point at the start of each phase [mm/ms].
         normals: Floor normals of the phases in the frame of the body.
@@ -130,7 +136,7 @@ class Track:
     """
 
     def __init__(self, normal: Floats, body: RigidBody, scheme: Scheme, rule: Rule, rest: Rest) -> None:
-        self._body, self._scheme, self.rule, self._rest = body, scheme, rule, rest
+        self._body, self._scheme, self.rule, self.rest = body, scheme, rule, rest
         self.begun, self.speeds, self.normals, self.sunk = [0.0], [rule.speed], [normal], [0.0]
         self.samples: list[Floats] = []
         self.peak: NDArray[np.float32] | None = None
@@ -209,7 +215,7 @@ class Track:
         self.speeds.append(touch.speed)
         self.sunk.append(float(body.mass * self._place @ self.normals[0]))
         if self.plastic is not None:
-            self._bent, self._locked = self._rest(self.plastic)
+            self._bent, self._locked = self.rest(self.plastic)
         self._begin(replace(body, arms=body.arms + self._bent).velocities(touch.motion))
 
     def keep(self, peak: NDArray[np.float32], plastic: NDArray[np.float32], touched: Bools) -> None:
@@ -240,7 +246,8 @@ class Track:
         if self.left <= 0:
             return f"{simulated:.3g} ms were simulated, the most for a part whose lowest period is {rule.period:.2g} ms"
         quiet = self.time - self._quiet_since
-        return self._out_of_contact() if quiet >= rule.quiet * rule.period or self._calm(quiet) else ""
+        waiting = rule.quiet * rule.period - quiet
+        return self._out_of_contact(waiting) if waiting <= 0.0 or self._calm(quiet) else ""
 
     def _calm(self, quiet: float) -> bool:
         """Whether what it vibrates bends it no further, after so long without contact [ms]."""
@@ -255,13 +262,15 @@ class Track:
         stress = math.sqrt(here[-1 - 2 * quarter :, PEAK_SQUARED].max())
         return stress < CALM_STRESS * strength or here[-1, STRAIN_ENERGY] + moving < CALM_ENERGY * work
 
-    def _out_of_contact(self) -> str:
-        """As `_over` of a body that the floor has not pushed for long."""
+    def _out_of_contact(self, waiting: float) -> str:
+        """As `_over` of a body that the floor has not pushed for long; a touch while it would still be waited for [ms] is simulated."""
         rule = self.rule
         motion, normal, least = self._body.motion(self.samples[-1][-1]), self.normals[-1], MIN_SPEED_RATIO * rule.speed
         touch = self._body.next_touch(motion, normal)
         if touch is None:
             return "it leaves the floor, no next touch"
+        if touch.after < waiting:
+            return ""
         if touch.speed < least and not self._body.harder_behind(touch, normal, least):
             return f"the next touch, at {touch.speed:.1f} m/s, is slower than {MIN_SPEED_RATIO:g} of the first"
         if touch.after < MIN_FLIGHT * rule.period:
