@@ -45,12 +45,13 @@ def pawn() -> Model:
 
 @cache
 def trophy(stem: float = 12.0, head: float = 28.0) -> Model:
-    """A heavy head on a slender stem; their diameters [mm]."""
+    """A heavy head on a slender stem, their diameters [mm]; so coarse that it falls in a second."""
     r, big, top = 0.5 * stem, 0.5 * head, 51.0
     foot = ((17.0, 0.0), (18.0, 1.0), (18.0, 5.0), (16.0, 6.5), (r + 2.5, 8.0), (r, 12.0), (r, top))
-    centre = top + np.sqrt(2.0) * big - r  # a cone of 45°, which prints without support, runs into the ball
-    ball = tuple((big * np.cos(turn), centre + big * np.sin(turn)) for turn in np.linspace(-0.25 * np.pi, 0.37 * np.pi, 12))
-    return _model("trophy", turned((*foot, *ball), RINGS, LAYERS))
+    lean = np.radians(40.0)  # a cone, which prints without support, runs into the ball
+    centre = top + big * np.sin(lean) + (big * np.cos(lean) - r) / np.tan(lean)
+    ball = tuple((big * np.cos(turn), centre + big * np.sin(turn)) for turn in np.linspace(-lean, 0.37 * np.pi, 12))
+    return _model("trophy", turned((*foot, *ball), (6, 24), 44))
 
 
 def _model(name: str, body: TetMesh) -> Model:

@@ -64,7 +64,7 @@ for words in {commands!r}:
 """
 
 
-LONG = {"demo", "ablation", "study"}
+LONG = {"demo", "study"}
 """Commands that take minutes, each of them runs as `run` and `freestyle` make them."""
 
 
@@ -75,7 +75,7 @@ def test_every_command_works_without_a_network(finished, offline):
     small = ("vertices=600", "iterations=12", "orientations=1", "set=element=tet4", "set=window=0.05", "set=nearly_flat=False")
     quick = [f"--{one}" for one in small]
     commands = [
-        ["--help"], ["materials"], ["styles"], ["gallery"], ["doctor"], ["weights", "list"], ["application"], ["log", f"{root}"],
+        ["--help"], ["materials"], ["styles"], ["gallery"], ["doctor"], ["weights", "list"], ["log", f"{root}"],
         ["show", f"{root}", "--out", f"{out}/picture.png"], ["export", f"{root}", "--out", f"{out}/part.glb"],
         ["report", f"{root}", "--out", f"{out}/page.html"], ["class", "collect", f"{out}/page.html"],
         ["film", f"{root}", "--no-plain", "--frames=8", "--size=160", "--out", f"{out}/fall.gif"],

@@ -388,10 +388,9 @@ def _strange_array(draw: random.Random) -> bytes:
 
 
 VERBS = ("run", "freestyle", "branch", "simulate", "log", "show", "export", "report", "protect", "gallery", "materials", "styles",
-         "doctor", "weights", "ablation", "application",
-         "rerun", "gc")  # fmt: skip
+         "doctor", "weights", "study", "rerun", "gc")  # fmt: skip
 ARGUMENTS = (
-    "--prompt", "--material", "--iterations", "--vertices", "--scale", "--unit", "--size", "--body", "--up", "--out", "--set",
+    "--prompt", "--material", "--iterations", "--vertices", "--tolerance", "--scale", "--unit", "--size", "--body", "--up", "--out", "--set",
     "--load", "--protect",
     "--amplitude", "--relief", "--seed", "--json", "--format", "--fine",
     "--lane", "--control", "--schedule", "--criterion", "--image", "--device", "-p", "-h", "--version", "--nonsense", "--",
@@ -420,12 +419,11 @@ def _command_line(draw: random.Random, folder: Path) -> None:
     import mechstyle.runs.run  # noqa: PLC0415
     import mechstyle.simulation.part  # noqa: PLC0415
     import mechstyle.simulation.part_test  # noqa: PLC0415
-    import mechstyle.study.ablation  # noqa: PLC0415
 
     slow = [
         (mechstyle.runs.run, "started"), (mechstyle.simulation.part_test, "simulate"), (mechstyle.runs.run.Run, "go"),
         (mechstyle.runs.run.Run, "exported"),
-        (mechstyle.runs.run.Run, "report"), (mechstyle.runs.run.Run, "show"), (mechstyle.study.ablation, "ablation"),
+        (mechstyle.runs.run.Run, "report"), (mechstyle.runs.run.Run, "show"),
         (mechstyle.gallery.style_sheet, "contact_sheet"),
         (mechstyle.simulation.part, "standardised"), (mechstyle.runs.protection, "protect"),
     ]  # fmt: skip
