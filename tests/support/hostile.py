@@ -390,8 +390,8 @@ def _strange_array(draw: random.Random) -> bytes:
 VERBS = ("run", "freestyle", "branch", "simulate", "log", "show", "export", "report", "protect", "gallery", "materials", "styles",
          "doctor", "weights", "study", "rerun", "gc")  # fmt: skip
 ARGUMENTS = (
-    "--prompt", "--material", "--iterations", "--vertices", "--tolerance", "--scale", "--unit", "--size", "--body", "--up", "--out", "--set",
-    "--load", "--protect",
+    "--prompt", "--material", "--iterations", "--vertices", "--tolerance", "--scale", "--unit", "--size", "--body", "--up", "--out",
+    "--set", "--load", "--protect",
     "--amplitude", "--relief", "--seed", "--json", "--format", "--fine",
     "--lane", "--control", "--schedule", "--criterion", "--image", "--device", "-p", "-h", "--version", "--nonsense", "--",
     "-", "gallery:pen_holder", "gallery:nothing", "gallery:../x",
