@@ -6,6 +6,7 @@ K of a held body, of which few right sides are solved precisely, and of a free o
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from functools import cached_property
 
 import numpy as np
@@ -95,30 +96,44 @@ LEFT_OVER, ITERATIONS = 1e-10, 400
 """Residual over the right side at which a solution is taken, as good as by factors; 25 to 40 iterations were counted."""
 
 
-def solver(matrix: csr_array, fields: csr_array) -> Callable[[Floats], Floats]:
-    """What solves A x = b for a symmetric positive definite matrix, again and again.
+class Solver:
+    """Solves A x = b for a symmetric positive definite matrix, again and again.
 
     Conjugate gradients, with the linear fields solved for directly: of 6500 tetrahedra the factors of A take ten times the memory and five
     times the time, and both grow faster than the mesh. Small systems, and one that does not converge, are factorised.
-    `matrix` is A, shape [n, n], `fields` the linear fields, shape [n, m].
+
+    Args:
+        matrix: A, shape [n, n].
+        fields: The linear fields, shape [n, m].
 
     Raises:
         RuntimeError, MemoryError: If A cannot be factorised.
     """
-    some = np.flatnonzero(abs(fields).sum(axis=0))  # what is left of a field where supports hold all of it is none
-    if matrix.shape[0] <= FACTORISED or len(some) >= matrix.shape[0]:
-        return _factors(matrix.tocsc())
-    try:
-        nearly = TwoLevel(matrix, fields[:, some])
-    except SimulationFailed:  # two fields are one where supports hold what tells them apart
-        return _factors(matrix.tocsc())
-    inverse = LinearOperator(matrix.shape, matvec=lambda right: nearly(right.reshape(-1, 1))[:, 0], dtype=np.float64)
 
-    def solved(right: Floats) -> Floats:
-        found, wrong = cg(matrix, right, rtol=LEFT_OVER, atol=0.0, M=inverse, maxiter=ITERATIONS)
-        return _factors(matrix.tocsc())(right) if wrong else np.asarray(found)
+    def __init__(self, matrix: csr_array, fields: csr_array) -> None:
+        self._matrix, self._two_level = matrix, None
+        some = np.flatnonzero(abs(fields).sum(axis=0))  # what is left of a field where supports hold all of it is none
+        if matrix.shape[0] > FACTORISED and len(some) < matrix.shape[0]:
+            with suppress(SimulationFailed):  # two fields are one where supports hold what tells them apart
+                self._two_level = TwoLevel(matrix, fields[:, some])
+        if self._two_level is None:
+            _ = self._exactly
 
-    return solved
+    def nearly(self, right: Floats) -> Floats:
+        """About A⁻¹ b, symmetric and positive definite, of shape [n]."""
+        return self._exactly(right) if self._two_level is None else self._two_level(right[:, None])[:, 0]
+
+    def __call__(self, right: Floats) -> Floats:
+        """A⁻¹ b, of shape [n]."""
+        if self._two_level is None:
+            return self._exactly(right)
+        inverse = LinearOperator(self._matrix.shape, matvec=lambda right: self.nearly(right.ravel()), dtype=np.float64)
+        found, wrong = cg(self._matrix, right, rtol=LEFT_OVER, atol=0.0, M=inverse, maxiter=ITERATIONS)
+        return self._exactly(right) if wrong else np.asarray(found)
+
+    @cached_property
+    def _exactly(self) -> Callable[[Floats], Floats]:
+        return _factors(self._matrix.tocsc())
 
 
 def _factors(matrix: csc_array) -> Callable[[Floats], Floats]:

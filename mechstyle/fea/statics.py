@@ -18,13 +18,20 @@ from scipy.sparse import coo_array, csr_array
 from scipy.sparse.csgraph import connected_components
 
 from mechstyle.errors import BadInput, SimulationFailed
+from mechstyle.fea.discretisation import discretise
 from mechstyle.fea.drop import GRAVITY
-from mechstyle.fea.elasticity import corner_gradients, displacement_gradients, equivalent_stress, stiffness_matrix, trace
-from mechstyle.fea.elements import ElementMesh, element_named, with_nodes
-from mechstyle.fea.linear_solvers import linear_fields, solver
+from mechstyle.fea.elasticity import displacement_gradients, equivalent_stress, stiffness_matrix, trace
+from mechstyle.fea.elements import Element, ElementMesh, element_named, with_nodes
+from mechstyle.fea.explicit import Progress, no_progress
+from mechstyle.fea.linear_solvers import Solver, linear_fields
+from mechstyle.fea.loading import Held, Outcome, Ramp
+from mechstyle.fea.permanent_set import Springback, at_nodes, measured
 from mechstyle.records.load_cases import RESTING_FACE, LoadCase, Patch, Place, Support
 from mechstyle.records.material import Material
 from mechstyle.records.mesh import Bools, Floats, Indices, SurfaceMesh, TetMesh, in_ball, on_floor
+
+Across = tuple[float, float, float]
+"""Normal of printed layers over their share of the strength; zero for a material without layers."""
 
 SIDES: Indices = np.array([[0, 2, 1, 5, 4, 7], [0, 1, 3, 4, 6, 8], [0, 3, 2, 6, 5, 9], [1, 2, 3, 7, 8, 9]], dtype=np.int32)
 """Nodes of each side of a tetrahedron: corners a, b, c, anticlockwise seen from outside, then the middles of ab, ac, bc."""
@@ -195,19 +202,17 @@ SAME_DIRECTION = 1e-4
 
 @dataclass(frozen=True, eq=False)
 class Response:
-    """Displacement and stress of a body under a static load.
+    """Displacement and stress of an elastic body under a static load.
 
     Attributes:
         displacement: u [mm], shape [node_count, 3].
         von_mises: Equivalent stress at the Gauss points [MPa], von Mises unless layers are judged, shape [tet_count, points].
-        corners: The same at the corners of the tetrahedra [MPa], shape [tet_count, 4].
         loads: Nodal loads f [N], shape [node_count, 3].
         reactions: Forces of the supports r = K u − f [N], shape [node_count, 3]; zero where nothing is held.
     """
 
     displacement: Floats
     von_mises: Floats
-    corners: Floats
     loads: Floats
     reactions: Floats
 
@@ -215,6 +220,41 @@ class Response:
     def deflection(self) -> float:
         """Largest displacement [mm]."""
         return float(np.linalg.norm(self.displacement, axis=1).max())
+
+
+@dataclass(frozen=True, eq=False)
+class Loaded:
+    """A load case: put on slowly and taken off; of an elastic body, its response.
+
+    Attributes:
+        permanent_set: Displacement that more than a small volume keeps [mm], see `fea.permanent_set`.
+        plastic_strain: Plastic strain in tension that such a volume exceeds.
+        where: A place of the largest piece that stays bent [mm].
+        maximum: Largest stress at a point of an element under the load [MPa].
+        deflection: Largest displacement under the load [mm].
+        factor: Times the load up to which it is in balance and no more than the tolerance stays bent.
+        reached: Whether it gives way there; if not, it was loaded no further.
+        collapses: Whether nothing balances the load: it buckles, or a hinge forms.
+        stress: Largest stress on the way to the load, at the vertices [MPa], shape [vertex_count].
+        strain: Plastic strain there, shape [vertex_count].
+        displacement: What stays bent [mm], shape [vertex_count, 3].
+    """
+
+    permanent_set: float
+    plastic_strain: float
+    where: tuple[float, float, float]
+    maximum: float
+    deflection: float
+    factor: float
+    reached: bool
+    collapses: bool
+    stress: Floats
+    strain: Floats
+    displacement: Floats
+
+
+BEYOND = 10.0
+"""Times the tolerance that are said to stay bent at least, of a part that collapses."""
 
 
 def stresses(material: Material, gradients: Floats, across: ArrayLike = (0.0, 0.0, 0.0)) -> Floats:
@@ -248,28 +288,27 @@ class Restraint:
         return cls(turned[:, np.flatnonzero(~fixed.ravel())], np.asarray(fixed.any(axis=1)))
 
 
-def solve(
-    mesh: ElementMesh, material: Material, restraint: Restraint, loads: list[Floats], across: ArrayLike = (0.0, 0.0, 0.0)
-) -> list[Response]:
-    """The response to each of several load vectors [N], each of shape [node_count, 3].
+class _HeldPart:
+    """Equations of a part on supports; SimulationFailed if they cannot be factorised."""
 
-    `across` is that of `elasticity.equivalent_stress`.
-    """
-    K, Z = stiffness_matrix(mesh, material), restraint.basis
-    try:
-        solution = solver(csr_array(Z.T @ K @ Z), csr_array(Z.T @ linear_fields(mesh.connectivity, len(mesh.nodes))))
-    except (RuntimeError, MemoryError) as error:
-        raise SimulationFailed(f"the load cases could not be solved: {error}") from error
-    responses = []
-    for load in loads:
-        u = Z @ solution(Z.T @ load.ravel())
+    def __init__(self, mesh: ElementMesh, material: Material, restraint: Restraint) -> None:
+        self._mesh, self._material, self.restraint = mesh, material, restraint
+        Z, self._stiffness = restraint.basis, stiffness_matrix(mesh, material)
+        try:
+            self.solver = Solver(csr_array(Z.T @ self._stiffness @ Z), csr_array(Z.T @ linear_fields(mesh.connectivity, len(mesh.nodes))))
+        except (RuntimeError, MemoryError) as error:
+            raise SimulationFailed(f"the load cases could not be solved: {error}") from error
+
+    def response(self, load: Floats, across: ArrayLike = (0.0, 0.0, 0.0)) -> Response:
+        """The response to nodal loads [N], shape [node_count, 3]; `across` is that of `elasticity.equivalent_stress`."""
+        Z = self.restraint.basis
+        u = Z @ self.solver(Z.T @ load.ravel())
         if not np.isfinite(u).all():
             raise SimulationFailed("the load cases could not be solved: the displacement is not a finite number")
         displacement = u.reshape(-1, 3)
-        reactions = np.where(restraint.held[:, None], (K @ u).reshape(-1, 3) - load, 0.0)
-        points, corners = (stresses(material, at(mesh, displacement), across) for at in (displacement_gradients, corner_gradients))
-        responses.append(Response(displacement, points, corners, load, reactions))
-    return responses
+        reactions = np.where(self.restraint.held[:, None], (self._stiffness @ u).reshape(-1, 3) - load, 0.0)
+        stress = stresses(self._material, displacement_gradients(self._mesh, displacement), across)
+        return Response(displacement, stress, load, reactions)
 
 
 def _refuse_free_motion(nodes: Floats, frames: Floats, fixed: Bools) -> None:
@@ -306,8 +345,8 @@ class StaticTest:
         """Refuse now what needs no solution to be seen: a place that selects nothing, a case that does not hold the part."""
         _ = self._restraints
 
-    def run(self, tets: TetMesh, material: Material, across: ArrayLike = (0.0, 0.0, 0.0)) -> dict[str, Response]:
-        """The response of a morph of the part to every case, by the case's name; one factorisation per set of supports.
+    def run(self, tets: TetMesh, material: Material, across: Across = (0.0, 0.0, 0.0)) -> dict[str, Response]:
+        """The elastic response of a morph of the part to every case, by the case's name.
 
         `across` is that of its printed layers, as for `elasticity.equivalent_stress`.
 
@@ -315,31 +354,69 @@ class StaticTest:
             BadInput: If a place selects nothing, a case does not hold the part, or its loads cancel out at every node.
             SimulationFailed: If the equations cannot be solved.
         """
+        return {name: response for name, response, _ in self._solved(tets, material, across)}
+
+    def loaded(
+        self, tets: TetMesh, material: Material, *, across: Across = (0.0, 0.0, 0.0), tolerance: float, elastic: bool = False,
+        progress: Progress = no_progress,
+    ) -> dict[str, Loaded]:  # fmt: skip
+        """What every case does to a morph of the part, by the case's name.
+
+        Args:
+            tets: The morph.
+            material: What it is made of.
+            across: As for `run`.
+            tolerance: What may stay bent [mm].
+            elastic: Whether the material is taken never to yield.
+            progress: Called now and then with the fraction done; may raise to cancel.
+
+        Raises:
+            BadInput: As `run`.
+            SimulationFailed: If the equations cannot be solved.
+        """
+        element = element_named(self.element)
+        body = discretise(tets, material, 0.0, element)
+        springback = Springback(body)
+        found = dict[str, Loaded]()
+        for number, (name, response, part) in enumerate(self._solved(tets, material, across)):
+            if elastic:
+                found[name] = _elastically(tets, element, response)
+                continue
+            held = Held(body, part.restraint.basis, part.solver.nearly, across)
+            first = material.yield_strength / max(float(response.von_mises.max()), 1e-30)
+            ramp = Ramp(held, springback, response.loads, tolerance)
+            outcome = ramp.put_on(first, partial(_share, progress, number, len(self.cases)))
+            found[name] = _loaded(tets, element, outcome, tolerance)
+        return found
+
+    def _solved(self, tets: TetMesh, material: Material, across: Across) -> Iterator[tuple[str, Response, _HeldPart]]:
+        """Every case's name, elastic response and part on its supports; one factorisation per set of supports."""
         boundary = Boundary(with_nodes(tets, element_named(self.element)))
-        loads: dict[str, Floats] = {}
+        loads = {case.name: self._loads(boundary, material, case) for case in self.cases}
+        parts = {supports: _HeldPart(boundary.mesh, material, restraint) for supports, restraint in self._restraints.items()}
         for case in self.cases:
-            total = np.zeros_like(boundary.mesh.nodes)
-            for load in case.loads:
-                if load.gravity is not None:
-                    down = np.array(load.direction) / np.linalg.norm(load.direction)
-                    total = total + weight(boundary.mesh, material.density, load.gravity * GRAVITY * down)
-                    continue
-                assert load.at is not None, "a load case refuses a force or pressure without a place"
-                picked = self._picked[load.at]
-                if load.force is not None:
-                    traction = np.outer(boundary.areas / picked.area(boundary), load.force)
-                else:
-                    assert load.pressure is not None, "a load is a force, a pressure or gravity"
-                    traction = -load.pressure * boundary.area_vectors
-                total = total + boundary.forces(picked.inside, traction)
-            loads[case.name] = total
-            if not loads[case.name].any():
-                raise BadInput(f"load case {case.name!r}: its loads cancel out everywhere; leave it out or change a load")
-        responses: dict[str, Response] = {}
-        for supports, restraint in self._restraints.items():
-            names = [case.name for case in self.cases if case.supports == supports]
-            responses |= zip(names, solve(boundary.mesh, material, restraint, [loads[name] for name in names], across), strict=True)
-        return {case.name: responses[case.name] for case in self.cases}
+            part = parts[case.supports]
+            yield case.name, part.response(loads[case.name], across), part
+
+    def _loads(self, boundary: Boundary, material: Material, case: LoadCase) -> Floats:
+        """Nodal loads of a case [N], shape [node_count, 3]."""
+        total = np.zeros_like(boundary.mesh.nodes)
+        for load in case.loads:
+            if load.gravity is not None:
+                down = np.array(load.direction) / np.linalg.norm(load.direction)
+                total = total + weight(boundary.mesh, material.density, load.gravity * GRAVITY * down)
+                continue
+            assert load.at is not None, "a load case refuses a force or pressure without a place"
+            picked = self._picked[load.at]
+            if load.force is not None:
+                traction = np.outer(boundary.areas / picked.area(boundary), load.force)
+            else:
+                assert load.pressure is not None, "a load is a force, a pressure or gravity"
+                traction = -load.pressure * boundary.area_vectors
+            total = total + boundary.forces(picked.inside, traction)
+        if not total.any():
+            raise BadInput(f"load case {case.name!r}: its loads cancel out everywhere; leave it out or change a load")
+        return total
 
     @cached_property
     def _undeformed(self) -> Boundary:
@@ -367,6 +444,35 @@ class StaticTest:
                 with _naming(case):
                     restraints[case.supports] = Restraint.of(self._undeformed, held)
         return restraints
+
+
+def _loaded(tets: TetMesh, element: Element, outcome: Outcome, tolerance: float) -> Loaded:
+    """What a load did, in figures and at the vertices."""
+    at = outcome.at
+    permanent_set, where, plastic_strain = at.figures
+    if outcome.collapses:
+        if not at.permanent.any():  # it buckles and springs back: where it gives way is where it moves
+            where = measured(tets, at.displacement[: len(tets.vertices)], at.strain).where
+        permanent_set = max(permanent_set, BEYOND * tolerance)
+    stress, strain = (at_nodes(tets, element.at_corners(field)) for field in (outcome.stress, at.strain))
+    return Loaded(
+        permanent_set, plastic_strain, where, float(outcome.stress.max()), float(np.linalg.norm(at.displacement, axis=1).max()),
+        outcome.factor, outcome.reached, outcome.collapses, stress, strain, at.permanent,
+    )  # fmt: skip
+
+
+def _elastically(tets: TetMesh, element: Element, response: Response) -> Loaded:
+    """A response as what a load does to a part that never yields."""
+    stress, nothing = at_nodes(tets, element.at_corners(response.von_mises)), np.zeros(len(tets.vertices))
+    return Loaded(
+        0.0, 0.0, (0.0, 0.0, 0.0), float(response.von_mises.max()), response.deflection, 1.0, reached=False, collapses=False,
+        stress=stress, strain=nothing, displacement=np.zeros_like(tets.vertices),
+    )  # fmt: skip
+
+
+def _share(progress: Progress, number: int, count: int, done: float) -> None:
+    """Tell how much of several is done, when a share of one is."""
+    progress((number + done) / count)
 
 
 @contextmanager
