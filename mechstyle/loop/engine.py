@@ -72,7 +72,7 @@ class Checkpointed:
 
 @dataclass(frozen=True)
 class Finished:
-    """The run is complete; the last checkpoint is the surface that was simulated last, with this verdict."""
+    """The run is complete; the last checkpoint is the best surface that was simulated at its end, with this verdict."""
 
     verdict: Verdict
     digest: str

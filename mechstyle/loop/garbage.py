@@ -71,11 +71,12 @@ def collect(store: Store) -> Garbage:
     """Remove what no lane reaches; what it was.
 
     Raises:
-        BadInput: If a process is carrying a lane on; as for `garbage`.
+        BadInput: If a process is carrying a lane on or making one; as for `garbage`.
         DamagedStore: As for `garbage`; nothing is removed then.
     """
     with contextlib.ExitStack() as held:
-        for lane in (".branches", *store.lanes()):
+        held.enter_context(store.branching(wait=False))  # before lanes are listed, or one could be made and carried on in between
+        for lane in store.lanes():
             held.enter_context(exclusive(store.root / "locks" / f"{lane}.lock", f"lane {lane!r} of {store.root}"))
         found = garbage(store)
         for path in found.files:

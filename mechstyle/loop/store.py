@@ -13,6 +13,7 @@ Everything is written aside and renamed, so a process killed at any moment loses
 
 from __future__ import annotations
 
+import contextlib
 import re
 from pathlib import Path
 from typing import Any, TypeVar
@@ -125,21 +126,27 @@ class Store:
             raise BadInput(f"lane name {name!r} must begin with a letter or digit, {rest}")
         write_whole(self.root / "lanes" / f"{name}.json", msgspec.json.encode(lane))
 
+    def branching(self, *, wait: bool = True) -> contextlib.AbstractContextManager[None]:
+        """Hold off other branches, or two could take one name, and `gc`, to which what no lane names yet is garbage.
+
+        BadInput if somebody else does and this is not to `wait`.
+        """
+        return exclusive(self.root / "locks" / ".branches.lock", f"a new branch of {self.root}", wait=wait)
+
     def fork(self, lane: Lane, wanted: str = "") -> str:
         """Name of a lane with this recipe and fork: of the one that is there, under the wanted name if there is one, or of a new one.
 
-        BadInput if the name wanted is that of another lane.
+        What it names is to be stored, and this called, within one `branching`. BadInput if the name wanted is that of another lane.
         """
-        with exclusive(self.root / "locks" / ".branches.lock", "a new branch", wait=True):  # or two could take one name
-            known = {name: self.lane(name) for name in self.lanes()}
-            for name, other in known.items():
-                if wanted in ("", name) and (other.recipe, other.forked_from) == (lane.recipe, lane.forked_from):
-                    return name
-            name = wanted or next(f"branch-{number}" for number in range(1, len(known) + 2) if f"branch-{number}" not in known)
-            if name in known:
-                raise BadInput(f"lane {name!r} of {self.root} has other settings or another fork; choose another name")
-            self.move(name, lane)
-            return name
+        known = {name: self.lane(name) for name in self.lanes()}
+        for name, other in known.items():
+            if wanted in ("", name) and (other.recipe, other.forked_from) == (lane.recipe, lane.forked_from):
+                return name
+        name = wanted or next(f"branch-{number}" for number in range(1, len(known) + 2) if f"branch-{number}" not in known)
+        if name in known:
+            raise BadInput(f"lane {name!r} of {self.root} has other settings or another fork; choose another name")
+        self.move(name, lane)
+        return name
 
     def put_recipe(self, recipe: Recipe) -> str:
         """Store a recipe; its digest is the recipe's own."""

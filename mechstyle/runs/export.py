@@ -64,8 +64,8 @@ def exported(
     if fields:
         check_holds_fields(path)
     printing.check(path)
-    untested = unsimulated(store, entry)
-    verdict, styled = None if untested else state.verdict, part.surface.displaced(state.displacement).coloured(state.colour)
+    untested, verdict = unsimulated(entry), state.verdict
+    styled = part.surface.displaced(state.displacement).coloured(state.colour)
     known, plan, words = known_fields(store, lane, part, state) if fields else (), None, dict[str, str]()
     for one in known:
         label = f"{one.quantity.label} [{one.quantity.unit}]" if one.quantity.unit else one.quantity.label
@@ -97,13 +97,9 @@ def sidecar(path: Path) -> Path:
     return path.with_name(f"{path.name}.json")
 
 
-def unsimulated(store: Store, entry: Entry) -> str:
+def unsimulated(entry: Entry) -> str:
     """Why the surface of a checkpoint was not simulated, "" if it was."""
-    if entry.simulated_at != entry.iteration:
-        return f"this iteration was not simulated; the last simulation was at {entry.simulated_at}"
-    if entry.parent and not np.array_equal(store.checkpoint(entry.digest).share, store.checkpoint(entry.parent).share):
-        return "the relief was reduced right after this iteration's simulation, so this very surface was not simulated"
-    return ""
+    return "" if entry.verdict else f"this iteration was not simulated; the last simulation was at {entry.simulated_at}"
 
 
 def of_the_test(verdict: Verdict | None) -> tuple[str, ...]:

@@ -102,11 +102,12 @@ def rerun(run: Run, out: Path, on_event: Callable[[Event], None] = lambda _: Non
     again = _begun(run, out)
     for recipe, entries in itertools.groupby(history, key=lambda entry: entry.recipe):
         fields, store, checkpoints = run.store.recipe(recipe), again.store, len(list(entries))
-        if fields.style.image:
-            _copy(run.store, store, fields.style.image)
-            images.keep(fields, store)
-        head = store.lane().head if store.lanes() else ""
-        store.move("main", Lane(recipe=store.put_recipe(fields), head=head))
+        with store.branching():
+            if fields.style.image:
+                _copy(run.store, store, fields.style.image)
+                images.keep(fields, store)
+            head = store.lane().head if store.lanes() else ""
+            store.move("main", Lane(recipe=store.put_recipe(fields), head=head))
         with closing(again.events()) as events:  # as many checkpoints as the lane has under the recipe, or as many as come
             for event in events:
                 on_event(event)

@@ -195,9 +195,10 @@ class Run:
         recipe = changed(self.store.recipe(entry.recipe), changes)
         if recipe.schedule.iterations <= entry.iteration:
             raise BadInput(f"a branch at iteration {entry.iteration} must go beyond it, not to {recipe.schedule.iterations}: ask for more")
-        images.keep(recipe, self.store)
-        fork = Lane(recipe=self.store.put_recipe(recipe), head=entry.digest, forked_from=entry.digest)
-        return Run(self.store, self.store.fork(fork, lane), self.device)
+        with self.store.branching():
+            images.keep(recipe, self.store)
+            fork = Lane(recipe=self.store.put_recipe(recipe), head=entry.digest, forked_from=entry.digest)
+            return Run(self.store, self.store.fork(fork, lane), self.device)
 
     def events(self, progress: Progress = no_progress) -> Generator[Event, None, None]:
         """Carry the lane on to its end, yielding what happens; the summary is written at the end.

@@ -215,6 +215,11 @@ class Workpiece:
         """Surface and walls."""
         return Shape(self.surface, self.thickness)
 
+    @cached_property
+    def brought_tets(self) -> bool:
+        """Whether it came with its tetrahedra: the boundary of those that are made here is never quite the surface."""
+        return self.at is None and self.tets.boundary.digest == self.surface.digest
+
 
 def cached_memo() -> Memo:
     """The user-wide memo: standardised surfaces, thickness and baseline simulations; a folder for each way of making tetrahedra."""
@@ -255,7 +260,7 @@ def prepare(
     notes = () if stands else ("it has no flat face to stand on, so none of it is kept plain or level",)
     stage("filling it with tetrahedra")
     own = mesh.tets if isinstance(mesh, Model) else None
-    if own is not None and own.boundary.digest != SurfaceMesh(mesh.vertices, mesh.faces).digest:
+    if own is not None and own.boundary.digest != mesh.digest:
         raise BadInput("the tetrahedra that this part brings fill another surface: leave them out, and the part is meshed")
     whole = None if relief is None or own is not None else relief(shape, go_on=go_on)
     if own is not None:
@@ -285,7 +290,12 @@ def with_wall_warning(prepare: Callable[..., Workpiece], minimum: float, warn: W
 
 
 def refilled(part: Workpiece, relief: Relief, stage: Stage = no_progress, go_on: CancelCheck = never_cancel) -> Workpiece:
-    """A part with tetrahedra that carry another relief; as it is if that is not known. What `go_on` raises ends it."""
+    """A part with tetrahedra that carry another relief; as it is if that is not known, or if it came with its own, as in `prepare`.
+
+    What `go_on` raises ends it.
+    """
+    if part.brought_tets:
+        return part
     whole = relief(part.shape, go_on=go_on)
     if whole is None or not whole.any():
         return part

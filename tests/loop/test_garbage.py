@@ -1,5 +1,6 @@
 """What no lane reaches goes, and nothing else."""
 
+import contextlib
 import json
 import re
 import shlex
@@ -76,6 +77,34 @@ def test_while_a_lane_is_carried_on_nothing_is_removed(run):
     with exclusive(run.store.root / "locks" / "main.lock", "lane"), pytest.raises(BadInput, match="is being carried on by"):
         collect(run.store)
     assert contents(run.store.root) == before
+
+
+def test_while_a_branch_is_made_nothing_is_removed(run, monkeypatch):
+    """What it needs was removed while no lane named it yet, and nothing could list the run or collect from then on."""
+    fork = Store.fork
+
+    def swept(store, *lane):
+        with contextlib.suppress(BadInput):
+            collect(Store(store.root))
+        return fork(store, *lane)
+
+    monkeypatch.setattr(Store, "fork", swept)
+    branch = run.branch(6, prompt="", image=np.eye(4, dtype=np.uint8)[..., None])
+    assert run.store.objects.path(branch.recipe.style.image).is_file()
+    assert garbage(run.store).files == ()
+
+
+def test_a_branch_is_made_before_or_after_it_is_looked_which_lanes_there_are(run, monkeypatch):
+    """One made in between could be carried on, and lose what it has just stored."""
+    lanes = Store.lanes
+
+    def looked(store):
+        with pytest.raises(BadInput, match="a new branch"), exclusive(store.root / "locks" / ".branches.lock", "a new branch"):
+            pass
+        return lanes(store)
+
+    monkeypatch.setattr(Store, "lanes", looked)
+    collect(run.store)
 
 
 def test_where_a_record_is_damaged_nothing_is_removed(run):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import logging
-from dataclasses import replace
 
 import meshio
 import msgspec
@@ -13,8 +12,10 @@ import pytest
 import trimesh
 
 from mechstyle.geometry.glb import DULL, Sheen
+from mechstyle.geometry.print_quality import quality
 from mechstyle.records import Doubt
 from mechstyle.runs.export import Exported, of_the_test, sheen_of, sidecar, unsimulated
+from support.lanes import lane_on_a_sheet
 from support.records import row, verdict
 
 
@@ -35,12 +36,18 @@ def test_a_surface_that_was_not_simulated_has_no_verdict_and_says_so(run, tmp_pa
     assert json.loads(sidecar(tmp_path / "part.obj").read_text())["verdict"] is None
 
 
-def test_a_relief_reduced_after_its_simulation_has_no_verdict(run):
-    """Retraction changes the share, and with it the surface, once the drop has been judged."""
-    state, parent = run.checkpoint(3), run.store.find(3).digest
-    for factor, said in ((0.5, "the relief was reduced right after"), (1.0, "")):
-        after = replace(state, share=state.share * np.float32(factor), parent=parent)
-        assert unsimulated(run.store, run.store.entry(run.store.objects.put_record(after))).partition(" this iteration")[0] == said
+def test_what_a_corrected_run_delivers_is_exported_with_its_verdict(cube, tmp_path, monkeypatch):
+    """The best correction, which is delivered, was tested, though it was not the last that was."""
+    run = lane_on_a_sheet(tmp_path / "run", gain=150.0, schedule="never", iterations=60)
+    *_, last, delivered = run.history
+    assert delivered.final
+    assert run.store.checkpoint(last.digest).displacement.max() != run.checkpoint().displacement.max(), "or the best would be the last"
+    monkeypatch.setattr("mechstyle.runs.export.quality", lambda *_: quality(cube, cube, 1e-3))  # that of a sheet, which encloses nothing
+    written = run.exported(tmp_path / "part.stl")
+    assert written.verdict == run.verdict
+    assert written.verdict.passes
+    assert not any("not simulated" in warning for warning in written.warnings)
+    assert not any(unsimulated(entry) for entry in run.history if entry.reason), "every correction was"
 
 
 def test_a_file_with_fields_holds_what_the_test_of_that_very_surface_says(run, tmp_path, dropless):

@@ -1,5 +1,6 @@
 """A run done again from its own folder, on a machine that remembers nothing of it."""
 
+import contextlib
 import os
 import subprocess
 import sys
@@ -9,7 +10,8 @@ import pytest
 
 from mechstyle.cli.finished import rerun_command
 from mechstyle.errors import BadInput
-from mechstyle.loop.store import Lane
+from mechstyle.loop.garbage import collect
+from mechstyle.loop.store import Lane, Store
 from mechstyle.runs.rerun import CLOSE, compared, rerun
 from mechstyle.runs.run import Run
 from support import ROOT
@@ -46,6 +48,19 @@ def test_a_run_repeats_to_the_same_bytes_where_nothing_is_remembered(block, else
     assert found.drops >= 3
     assert "equal: every iteration" in found.words
     assert Run(block.store, lane).history[-1].digest == Run.open(tmp_path / "again", "cpu").history[-1].digest
+
+
+def test_gc_takes_nothing_from_a_run_that_is_being_repeated(block, elsewhere, monkeypatch, tmp_path):
+    """The recipe of a branch is stored before the lane is moved to it."""
+    move = Store.move
+
+    def swept(store, *lane):
+        with contextlib.suppress(BadInput):
+            collect(Store(store.root))
+        move(store, *lane)
+
+    monkeypatch.setattr(Store, "move", swept)
+    assert rerun(Run(block.store, "soft"), tmp_path / "again").same_bytes
 
 
 def test_a_run_that_goes_on_on_another_machine_keeps_the_tetrahedra_it_was_compared_on(block, elsewhere, monkeypatch):

@@ -6,9 +6,11 @@ import mechstyle as ms
 from mechstyle.errors import BadInput
 from mechstyle.geometry.files import save
 from mechstyle.records.mesh import SurfaceMesh
+from mechstyle.runs.recipes import draft
 from mechstyle.runs.report.reproduce import command_for
 from mechstyle.runs.run import Run, started, stylize
-from mechstyle.simulation.part import Origin
+from mechstyle.simulation.part import Origin, prepare
+from support.knob import knob
 from support.lanes import lane_on_a_sheet
 
 
@@ -55,3 +57,12 @@ def test_a_surface_that_was_changed_since_is_not_said_to_be_that_of_the_file(ask
     vase = ms.load("gallery:vase")
     for number, mesh in enumerate((vase.moved(2.0 * vase.vertices), SurfaceMesh(vase.vertices, vase.faces))):
         assert stylize(mesh, "brick", out=f"changed-{number}").record.origin == Origin()
+
+
+def test_a_part_at_hand_is_run_on_the_tetrahedra_that_it_came_with(tmp_path):
+    """A second run filled it anew, and the part without a style survived another fall from then on."""
+    brick, stone = (draft(prompt, feature=9.0) for prompt in ("brick", "stone"))
+    first = started(brick, prepare(knob()), out=tmp_path / "first")
+    parts = knob(), first.part, Run.open(first.store.root).part
+    later = [started(stone, part, out=tmp_path / f"later-{number}") for number, part in enumerate(parts)]
+    assert {run.recipe.test.specimen.tetrahedra for run in (first, *later)} == {knob().tets.digest}
