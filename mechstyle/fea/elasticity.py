@@ -142,21 +142,8 @@ def point_volumes(mesh: ElementMesh) -> Floats:
 
 def displacement_gradients(mesh: ElementMesh, displacement: Floats) -> Floats:
     """H = Σ_a u_a ⊗ ∇N_a at the Gauss points, shape [tet_count, points, 3, 3]; `displacement` [mm] is [node_count, 3]."""
-    return _gradients_at(mesh.element.derivatives, mesh, displacement)
-
-
-def corner_gradients(mesh: ElementMesh, displacement: Floats) -> Floats:
-    """H at the corners of every tetrahedron, shape [tet_count, 4, 3, 3]; `displacement` [mm] is [node_count, 3].
-
-    The gradient of a quadratic element is linear in it, so this is what is extrapolated from the Gauss points.
-    """
-    return _gradients_at(mesh.element.corner_derivatives, mesh, displacement)
-
-
-def _gradients_at(derivatives: Floats, mesh: ElementMesh, displacement: Floats) -> Floats:
-    """H where the shape functions have the given ∂N_a/∂L_i, [n, nodes, 4], shape [tet_count, n, 3, 3]."""
     nodal = displacement[mesh.connectivity]
-    at_points = np.einsum("nai,qak->nqik", nodal - nodal[:, :1], derivatives, optimize=True)
+    at_points = np.einsum("nai,qak->nqik", nodal - nodal[:, :1], mesh.element.derivatives, optimize=True)
     return np.asarray(at_points @ barycentric_gradients(mesh.tets)[:, None])
 
 

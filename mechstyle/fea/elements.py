@@ -34,7 +34,6 @@ class Element:
     Attributes:
         name: "tet4" or "tet10".
         derivatives: ∂N_a/∂L_i at the Gauss points, all of equal weight, shape [points, nodes, 4].
-        corner_derivatives: ∂N_a/∂L_i at the corners, shape [4, nodes, 4].
         mass_shares: Share of the element's mass that is lumped at each node, shape [nodes].
         stiffer: Its largest eigenfrequency over that of the linear element of the same shape, about: quadratic ones lie between 1.9 and
             2.6 times as high.
@@ -42,7 +41,6 @@ class Element:
 
     name: str
     derivatives: Floats
-    corner_derivatives: Floats
     mass_shares: Floats
     stiffer: float = 1.0
 
@@ -79,9 +77,9 @@ def _quadratic_derivatives(L: Floats) -> Floats:
     return derivatives
 
 
-LINEAR = Element("tet4", np.eye(4)[None], np.tile(np.eye(4), (4, 1, 1)), np.full(4, 0.25))
+LINEAR = Element("tet4", np.eye(4)[None], np.full(4, 0.25))
 QUADRATIC = Element(
-    "tet10", _quadratic_derivatives(np.full((4, 4), GAUSS_B) + (GAUSS_A - GAUSS_B) * np.eye(4)), _quadratic_derivatives(np.eye(4)),
+    "tet10", _quadratic_derivatives(np.full((4, 4), GAUSS_B) + (GAUSS_A - GAUSS_B) * np.eye(4)),
     mass_shares=np.array([1.0 / 36.0] * 4 + [4.0 / 27.0] * 6), stiffer=2.2,
 )  # fmt: skip
 """N_i = L_i (2 L_i − 1) at corners and 4 L_i L_j between them; masses in the ratio of ∫N_a² (Hinton, Rock and Zienkiewicz 1976).

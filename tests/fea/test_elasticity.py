@@ -140,21 +140,6 @@ def test_patch_test_an_affine_displacement_is_reproduced_without_inner_forces(el
     np.testing.assert_allclose(forces.sum(axis=0), 0.0, atol=1e-9)
 
 
-@each_element
-def test_gradients_at_the_corners_are_those_of_a_quadratic_field(element, block):
-    """A quadratic displacement is the quadratic element's own; of the linear one the gradient is the same everywhere in it."""
-    mesh = with_nodes(block, element)
-    X = mesh.nodes
-    u = 1e-3 * np.stack([X[:, 0] * X[:, 1], X[:, 2] ** 2, X[:, 1] * X[:, 2] - X[:, 0] ** 2], axis=1)
-    found = elasticity.corner_gradients(mesh, u)
-    x, y, z = np.moveaxis(block.vertices[block.tets], -1, 0)
-    nothing = np.zeros_like(x)
-    exact = 1e-3 * np.stack([[y, x, nothing], [nothing, nothing, 2.0 * z], [-2.0 * x, z, y]]).transpose(2, 3, 0, 1)
-    if element.nodes == 4:
-        exact = np.repeat(elasticity.displacement_gradients(mesh, u), 4, axis=1)
-    np.testing.assert_allclose(found, exact, atol=1e-12)
-
-
 @each_law
 @each_element
 def test_stiffness_matrix_is_the_linearisation_of_the_forces(element, name, block):
