@@ -117,7 +117,7 @@ class Ramp:
         self._load, self._shaped = tilted(load), held.shaped()
         body = held.body  # single precision strains every tetrahedron by rounding, the more the farther it moves
         steepness = np.einsum("tij,tij->t", body.gradients, body.gradients)
-        self._rounding = np.finfo(np.float32).eps ** 2 * body.stiffness.material.youngs_modulus * float(body.volumes @ steepness)
+        self._rounding = np.finfo(np.float32).eps ** 2 * body.stiffness.material.youngs_modulus * _dot(body.volumes, steepness)
         self._far = FAR * float(np.linalg.norm(np.ptp(held.body.mesh.nodes, axis=0)))
 
     def put_on(self, first: float, progress: Progress) -> Outcome:
@@ -166,8 +166,8 @@ class Ramp:
         force = rest(shape)
         for _ in range(ROUNDS):
             way = _direction(force, memory, self._held.nearly)
-            pull, along = float(way @ force), (basis @ way).reshape(shape.shape)
-            if pull <= ENOUGH**2 * abs(float(np.vdot(load, shape))) + self._rounding * float(np.abs(shape).max()) ** 2:
+            pull, along = _dot(way, force), (basis @ way).reshape(shape.shape)
+            if pull <= ENOUGH**2 * abs(_dot(load.ravel(), shape.ravel())) + self._rounding * float(np.abs(shape).max()) ** 2:
                 return shape, True
             if not math.isfinite(pull):
                 break
@@ -176,7 +176,7 @@ class Ramp:
             farthest = float(np.linalg.norm(shape, axis=1).max())
             if farthest > self._far:
                 return shape * (self._far / farthest), False
-            if float(way @ (force - ahead)) > 0.0:
+            if _dot(way, force - ahead) > 0.0:
                 memory.append((length * way, force - ahead))
             force = ahead
         return shape, False
@@ -222,11 +222,11 @@ def _direction(force: Floats, memory: deque[tuple[Floats, Floats]], nearly: Call
     """Where a force drives a body, by its elastic stiffness and by how forces fell along the last steps (Nocedal 1980)."""
     left, shares = force, list[float]()
     for step, fall in reversed(memory):
-        shares.append(float(step @ left) / float(step @ fall))
+        shares.append(_dot(step, left) / _dot(step, fall))
         left = left - shares[-1] * fall
     way = nearly(left)
     for step, fall in memory:
-        way = way + (shares.pop() - float(fall @ way) / float(step @ fall)) * step
+        way = way + (shares.pop() - _dot(fall, way) / _dot(step, fall)) * step
     return way
 
 
@@ -235,7 +235,7 @@ def _length(rest: Callable[[float], Floats], way: Floats, pull: float) -> tuple[
     length, low, high = 1.0, (0.0, pull), None
     for left in reversed(range(TRIES)):
         ahead = rest(length)
-        along = float(way @ ahead)
+        along = _dot(way, ahead)
         if abs(along) <= TAKEN * pull or not left:
             break
         if along > 0.0:
@@ -244,6 +244,11 @@ def _length(rest: Callable[[float], Floats], way: Floats, pull: float) -> tuple[
             high = (length, along if math.isfinite(along) else -pull)
         length = 3.0 * length if high is None else low[0] + (high[0] - low[0]) * low[1] / (low[1] - high[1])
     return length, ahead
+
+
+def _dot(one: Floats, other: Floats) -> float:
+    """Their inner product, without BLAS, whose threads sum in another order and wait for each other."""
+    return float(np.einsum("i,i->", one, other))
 
 
 def _at(rest: Callable[[Floats], Floats], shape: Floats, along: Floats, length: float) -> Floats:
