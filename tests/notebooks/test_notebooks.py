@@ -12,19 +12,17 @@ from support import ROOT
 
 NOTEBOOKS = sorted((ROOT / "notebooks").glob("*.ipynb"))
 
-QUICK = {"iterations": 12, "orientations": 1, "nearly_flat": False, "window": 0.4, "element": "tet4"}
 SMALL = {
     "02_what_the_drop_test_computes": {"finest": 3},
     "03_control_strategies": {"names": ["linear", "exponential"]},
     "04_schedules": {"names": ["never", "every", "geometry", "stress"]},
     "05_tuning_thresholds": {"tried": [0.1, 1.0, 2.0]},
     "06_branch_and_compare": {"every": 8},
-    "07_applications": {"settings": {**QUICK, "vertices": 900}},
-    "08_a_reproducible_report": {"prompt": "cactus", "vertices": 1000, "iterations": 20},
+    "07_a_reproducible_report": {"prompt": "cactus", "vertices": 1000, "iterations": 20},
 }
 """Parameters by notebook that are smaller than, or other than, the defaults in it."""
 
-STORED = {path.stem for path in NOTEBOOKS} - {"07_applications", "08_a_reproducible_report"}  # of 2 MB; of one machine
+STORED = {path.stem for path in NOTEBOOKS} - {"07_a_reproducible_report"}  # of one machine
 """Notebooks with what they show in them, so that whoever browses the repository sees a result; docs/site/store.py stores them."""
 
 

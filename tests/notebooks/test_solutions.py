@@ -18,10 +18,9 @@ from mechstyle.records.material import material_named
 from mechstyle.records.recipe import CHOICES
 from mechstyle.runs.recipes import draft
 from mechstyle.runs.run import Run
-from mechstyle.study.applications import APPLICATIONS, apply
 from support import ROOT
 
-KNOWN: dict[str, Any] = {"run": Run, "main": Run, "DropTest": DropTest, "apply": apply}
+KNOWN: dict[str, Any] = {"run": Run, "main": Run, "DropTest": DropTest}
 """What the notebooks call by these names: an object of a class, or the class or function itself."""
 WORDS = {str(value) for values in CHOICES.values() for value in values}
 SOLUTIONS = sorted((ROOT / "notebooks" / "solutions").glob("*.md"))
@@ -68,7 +67,7 @@ def right(code: str, notebook: str) -> bool:
         draft("brick", **settings)
         return settings.keys() <= set(SETTINGS)
     if code.isidentifier():
-        return code in {*WORDS, *SETTINGS, *APPLICATIONS} or re.search(rf"\b{code}\b", notebook) is not None
+        return code in {*WORDS, *SETTINGS} or re.search(rf"\b{code}\b", notebook) is not None
     return re.match(r"\w*", code)[0] not in KNOWN or kind(ast.parse(code).body[0].value) is not None
 
 
