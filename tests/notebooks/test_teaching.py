@@ -12,7 +12,7 @@ from nbformat.v4 import new_code_cell, new_markdown_cell, new_notebook, new_outp
 from support import ROOT
 
 NOTEBOOKS = sorted((ROOT / "notebooks").glob("*.ipynb"))
-DRAWS = re.compile(r"subplots\(|^picture\(|teaching\.(axes|stress|look)\(|\.show\(\)\)?$", re.MULTILINE)
+DRAWS = re.compile(r"subplots\(|^picture\(|teaching\.(axes|stress|look|bent)\(|\.show\(\)\)?$", re.MULTILINE)
 LEAST = 40  # letters that say something of a figure
 PIXEL = "iVBORw0KGgo="
 
