@@ -3,7 +3,7 @@
 In balance the inner forces of a shape, after the flow to it from the last one, are those of the load. Flow by the return to the yield
 surface is the minimum of an energy over one step (Ortiz and Stainier 1999), and the shape is sought as that: with the changes of force
 along the last steps (BFGS, Matthies and Strang 1979; in the form of Nocedal 1980), which begin with the stiffness of the elastic body.
-So a slender body takes no longer than a stout one, and a shape that is unstable is not found.
+So a slender body takes as long as a stout one, and a shape that is unstable is not found.
 """
 
 from __future__ import annotations

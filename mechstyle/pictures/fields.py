@@ -19,7 +19,7 @@ ROOM_ABOVE = 1.05
 """Least end of the colours over the threshold, so that what lies above it can be seen on the bar."""
 
 BENT_ABOVE = 1.5
-"""End of the colours of what stays bent over what is allowed: a part that gives way is hatched, and its neighbours still told apart."""
+"""End of the colours of what stays bent over what is allowed: a part that gives way is hatched, and its neighbours still differ."""
 
 MOMENT, STAYS_BENT = "moment", "stays_bent"
 """Names of the stress at one moment of an impact, and of what stays bent in the test that decides."""

@@ -35,7 +35,7 @@ NOT_SURE, NOT_TESTED = "(not sure)", "NOT TESTED"
 """What follows an outcome that leaves a doubt, and what replaces that of no test."""
 
 NOTHING = 0.005
-"""Permanent set that is told as none [mm]."""
+"""Permanent set that counts as none [mm]."""
 ALIKE = 0.9
 """Share of the other's relief from which on a part looks like it."""
 LITTLE = 0.7
@@ -48,7 +48,7 @@ SAME = 0.02
 
 
 def bend(permanent_set: float, digits: int = 0) -> str:
-    """A permanent set [mm] as it is told, with so many digits behind the point or more."""
+    """A permanent set [mm] as people read it, with so many digits behind the point or more."""
     if permanent_set < NOTHING:
         return "0 mm"
     return f"{permanent_set:.{max(digits, 2 if permanent_set < 9.95 else 0)}f} mm"

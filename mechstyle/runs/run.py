@@ -121,8 +121,8 @@ class Run:
             how = "run the command that started it again, it goes on where it stopped"
             raise BadInput(f"lane {self.lane!r} of {self.store.root} is not finished: {how}")
         summary, history, verdict = read_record(path, Summary), self.history, self.verdict  # which know if an older measure judged
-        told = {"outcome": verdict.outcome, "rows": verdict.rows, "doubts": verdict.doubts, "words": verdict.words}
-        return msgspec.structs.replace(summary, **told, simulations=simulations(history))
+        given = {"outcome": verdict.outcome, "rows": verdict.rows, "doubts": verdict.doubts, "words": verdict.words}
+        return msgspec.structs.replace(summary, **given, simulations=simulations(history))
 
     def checkpoint(self, iteration: int | None = None) -> Checkpoint:
         """The newest checkpoint of an iteration, None for the last."""

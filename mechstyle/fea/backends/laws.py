@@ -182,6 +182,17 @@ def isochoric(half: float, determinant: float, change: float, start: float):
 
 
 @wp.func
+def flows(flow: wp.mat33f, plastic: wp.array4d(dtype=float), e: int, q: int, b: int):
+    """What flows now, added to what has flowed at a Gauss point."""
+    plastic[e, q, 0, b] = plastic[e, q, 0, b] + flow[0, 0]
+    plastic[e, q, 1, b] = plastic[e, q, 1, b] + flow[1, 1]
+    plastic[e, q, 2, b] = plastic[e, q, 2, b] + flow[2, 2]
+    plastic[e, q, 3, b] = plastic[e, q, 3, b] + flow[0, 1]
+    plastic[e, q, 4, b] = plastic[e, q, 4, b] + flow[1, 2]
+    plastic[e, q, 5, b] = plastic[e, q, 5, b] + flow[0, 2]
+
+
+@wp.func
 def elastic_plastic(
     H: wp.mat33f,
     mu_new: float,
@@ -211,13 +222,11 @@ def elastic_plastic(
         softer = softened(A, shares[e])
         mu = mu_new * softer
         la = la_new * softer
-    C = cofactor(H)
-    tr = wp.trace(H)
+    C, tr = cofactor(H), wp.trace(H)
     change = tr + wp.trace(C) + wp.dot(H[0], C[0])
     trace_change = 2.0 * tr + wp.ddot(H, H) + wp.trace(G) + wp.ddot(H, G)
     s = deviator(H, G)
-    demand = demand_squared(s, trace_change, change, mu, la, across)
-    limit = strength + hardening * strain
+    demand, limit = demand_squared(s, trace_change, change, mu, la, across), strength + hardening * strain
     if demand > limit * limit and change > -0.9:
         m = trace_change / 3.0
         stiff = 0.75 * mu + factor(trace_change, mu)
@@ -233,13 +242,7 @@ def elastic_plastic(
         inverse = (wp.identity(n=3, dtype=float) * (1.0 + tr) - wp.transpose(H) + C) / (1.0 + change)  # F⁻ᵀ
         W = ((x - m) * wp.identity(n=3, dtype=float) - lost * s) * inverse
         G += W
-        flow = wp.transpose(inverse) * W
-        plastic[e, q, 0, b] = plastic[e, q, 0, b] + flow[0, 0]
-        plastic[e, q, 1, b] = plastic[e, q, 1, b] + flow[1, 1]
-        plastic[e, q, 2, b] = plastic[e, q, 2, b] + flow[2, 2]
-        plastic[e, q, 3, b] = plastic[e, q, 3, b] + flow[0, 1]
-        plastic[e, q, 4, b] = plastic[e, q, 4, b] + flow[1, 2]
-        plastic[e, q, 5, b] = plastic[e, q, 5, b] + flow[0, 2]
+        flows(wp.transpose(inverse) * W, plastic, e, q, b)
         plastic[e, q, 6, b] = strain + more
         trace_change = 3.0 * x
         if 3.0 * mean_stress(trace_change, change, mu, la) > -(1.0 - lost) * von_mises:

@@ -46,7 +46,7 @@ LIMITS = (
     "The part is solid and isotropic, elastic and then plastic: no layers without a build direction, no infill, fatigue or creep.",
     f"A length stays bent where more than {VOLUME:.0f} mm³ of the part does; smaller dents do not count.",
     "It cracks where the plastic strain in tension exceeds the elongation at break; how a crack runs on is not computed.",
-    "Plastics yield later in a fall than in the slow tests that their figures come from: what stays bent is told on the safe side.",
+    "Plastics yield later in a fall than in the slow tests that their figures come from: what stays bent is on the safe side.",
     "Where more than the tolerance stays bent of the plain part itself, the styled part is compared with it.",
     "A fall or a load closer to what is allowed than a mesh made anew moves it is not sure.",
     "The largest stress of an element, which the published rule looks at, depends on the mesh where the floor meets the part at a point.",

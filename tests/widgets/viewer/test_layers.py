@@ -26,7 +26,8 @@ def test_figures_and_viewer_read_a_field_alike(growing, monkeypatch):
     monkeypatch.setattr(module, "picture", lambda shown, **_: panels.extend(shown))
     growing.show()
     layers = {layer.name: layer for layer in subject_of(growing, growing.checkpoint()).layers}
-    drawn = {panel.title.replace("what stays bent", "stays_bent"): panel for panel in panels if panel.values is not None}
+    titles = {"what stays bent": "stays_bent"}  # which has the factor of what is drawn behind it
+    drawn = {titles.get(name := panel.title.partition(",")[0], name): panel for panel in panels if panel.values is not None}
     assert layers["demand"].threshold == 0.5
     assert set(drawn) == {"stress", "stays_bent", "restraint"}
     for name, panel in drawn.items():

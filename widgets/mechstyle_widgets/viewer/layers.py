@@ -78,8 +78,8 @@ class Layer:
     def at(self, vertex: int) -> str:
         """The value at a vertex, with its unit."""
         value = float(self.values[vertex])
-        told = f"{round(value, 2) + 0.0:g}" if self.unit == "mm" else f"{value:.4g}"  # a caliper reads no more
-        return f"{told} {self.unit}".rstrip() if np.isfinite(value) else "not known"
+        words = f"{round(value, 2) + 0.0:g}" if self.unit == "mm" else f"{value:.4g}"  # a caliper reads no more
+        return f"{words} {self.unit}".rstrip() if np.isfinite(value) else "not known"
 
     def text_at(self, vertex: int) -> str:
         """The value at a vertex as a person reads it."""
@@ -137,8 +137,8 @@ class Subject:
         layer = self.layer(STAYS_BENT)
         if layer is None or self.bend is None:
             return self
-        told = replace(layer, note=f"{layer.note}, bend drawn × {factor:g}")
-        return replace(self.with_layer(told), mesh=self.mesh.moved(self.mesh.vertices + factor * self.bend))
+        with_factor = replace(layer, note=f"{layer.note}, bend drawn × {factor:g}")
+        return replace(self.with_layer(with_factor), mesh=self.mesh.moved(self.mesh.vertices + factor * self.bend))
 
 
 def layer_of(quantity: Quantity, values: NDArray[Any], seen: NDArray[Any] | None = None, note: str = "") -> Layer:
