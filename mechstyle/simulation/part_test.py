@@ -194,8 +194,7 @@ def simulate(
         build_direction=None if build_direction is None else direction_of(build_direction),
         **with_drops({"standard": standard, **given}),
     )  # fmt: skip
-    part, relief = _prepared(mesh, original, vertices, stage, measured)
-    return _tested(mesh, part, relief, wanted, where, stage, progress)
+    return _tested(mesh, *_prepared(mesh, original, vertices, stage, measured), wanted, where, stage, progress)
 
 
 def _prepared(

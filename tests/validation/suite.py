@@ -9,26 +9,8 @@ from functools import partial
 from pathlib import Path
 
 from mechstyle.fea.explicit import cores
-from validation import details, falls, impacts, repeatability, statics
+from validation import impacts, statics
 from validation.cases import Case, Result
-
-EDGE = (
-    "**Known limit.** Tilted by 3° this cup touches with a single corner of its rim. One element through the wall spreads that over more "
-    "volume than there is: it reads a quarter more than a mesh that is twice as fine, which is the safe side."
-)
-CORNER = (
-    "**Known limit.** Nearly flat this thin square cup lands on a corner of its rim, which five triangulations resolve differently: 5.8 % "
-    "standard deviation, where the gallery parts of 12 000 vertices have 3.5 % at most."
-)
-STEEP = (
-    "**Known limit.** A steep bar still rings when its other end lands. Phases begin from rest, so that the second impact reads a seventh "
-    "less than one long drop: the unsafe side, in directions that no default test judges."
-)
-LATER = (
-    "**Known limit.** Flat on its plain base this cup reads an eighth more where it is followed for twice as long, at half the yield "
-    "strength: the unsafe side."
-)
-"""Why figures of a case fail."""
 
 CASES = {
     case.name: case
@@ -37,12 +19,6 @@ CASES = {
         Case("rigid", "Rigid motion: a large rotation gives no force", statics.rigid),
         Case("frame", "Frame indifference: forces turn with the body", statics.frame),
         Case("plate", "A 2 mm plate one element thick against beam theory and finer meshes", statics.plate, slow=True),
-        Case("plates", "Load factors of plates 0.8 to 8 mm thick, and σ_V against its closed form", details.plates),
-        Case("bars", "Load factors of bars 1 to 6 mm thick, which must not reach a plastic hinge", details.bars),
-        Case("small", "A bridge of 1 × 1 mm and a pin of 1 % of the volume", details.small),
-        Case("notches", "A hole and a fillet: what σ_V reads of the handbook's stress", details.notches),
-        Case("corner", "A sharp corner on finer meshes", details.corner),
-        Case("spots", "Thorns, fins and pits of the mesh", details.spots),
         Case("cantilever", "A cantilever in CalculiX, C3D4 and C3D10", statics.cantilever),
         Case("bar", "Pressure under a bar that lands on its end: ρ c v", impacts.bar),
         Case("bar_calculix", "The stress wave in a bar in CalculiX's explicit dynamics", impacts.bar_calculix, slow=True),
@@ -52,25 +28,10 @@ CASES = {
         ),
         Case("contact_fine", "The same bracket in two layers", partial(impacts.bracket_of_calculix, "contact_fine", 2.0, 0.1), slow=True),
         Case("sphere", "A ball on the floor: Hertz's contact", impacts.sphere, slow=True),
-        Case("second_bar", "A bar that lands again with its other end, six tilts", falls.bar, slow=True),
-        Case("second_cup", "A cup that lands again with its rim", falls.large_cup, slow=True),
-        Case("second_ring", "An open ring that lands again", falls.ring, slow=True),
         Case("energy", "Energy balance of undamped drops", impacts.energy),
         Case("precision", "Single against double precision over an impact", impacts.precision),
         Case("instructions", "Another processor's instructions against this one's", impacts.instructions),
         Case("devices", "CUDA against CPU", impacts.devices),
-        Case("point", "Contact at a point on finer meshes: a ball", repeatability.point, slow=True),
-        Case("line", "Contact along a line on finer meshes: a round bar on its side", repeatability.line, slow=True),
-        Case("plane", "Contact over a plane on finer meshes: a cube", repeatability.plane),
-        Case("heights_flat", "Critical height of a flat landing against drops from other heights", falls.flat_heights),
-        Case("heights_nearly", "Critical height of a nearly flat landing against a drop from there", falls.nearly_flat_heights),
-        Case("finer", "A plain cup on a finer mesh", repeatability.finer, slow=True, fault=EDGE),
-        Case("finer_styled", "A square cup in brick on a finer mesh", repeatability.finer_styled, slow=True),
-        Case("turned", "An angle bracket, turned and mirrored, prepared anew", repeatability.turned, slow=True),
-        Case("again", "Five triangulations of a square cup, each meshed anew", repeatability.smooth, slow=True, fault=CORNER),
-        Case("again_styled", "Five triangulations of a square cup in brick", repeatability.styled, slow=True),
-        Case("numerics", "A square cup in brick for twice as long, and with half the step", repeatability.numerics, slow=True, fault=LATER),
-        Case("numerics_bar", "The bar that lands again, the same way", repeatability.numerics_of_a_bar, slow=True, fault=STEEP),
     )
 }
 """In their order on the page."""
