@@ -32,7 +32,7 @@ RINGS, LAYERS = (6, 18, 36), 36
 STYLE: Mapping[str, Any] = {"relief": 3.0, "side": "inwards", "feature": 9.0, "iterations": 40, "schedule": "stress"}
 """Settings of the Studio's first part, demo and lessons: bricks of 9 mm, cut 3 mm deep into the part."""
 FLAT: Mapping[str, Any] = {"nearly_flat": False, "height": "12 m", "tolerance": "0.1 mm"}
-"""What lessons of many runs change: one landing, which takes a second, a fall in which the joints of the neck flow, and a close tolerance."""
+"""What lessons of many runs change: one landing, a fall in which the joints of the neck flow, and a close tolerance."""
 INK, BLUE, ORANGE, GREEN, GREY = "#1c1c1e", "#1f6fb4", "#d1610f", "#3d8a5f", "#b9bdc4"
 """Colours of the lessons' figures, which differ in grey as well."""
 
