@@ -25,11 +25,9 @@ import msgspec
 from PIL import Image
 
 import mechstyle as ms
-from mechstyle import gallery
 from mechstyle._files import write_whole
 from mechstyle.gallery.style_sheet import model_sheet
 from mechstyle.pictures.panels import Picture
-from mechstyle.records.load_cases import LoadCase
 from mechstyle.runs.run import Run
 from mechstyle.simulation.physics import PHYSICS_VERSION
 from mechstyle.teaching import bent
@@ -75,26 +73,6 @@ def tutorial() -> list[Run]:
     return [run]
 
 
-def strengthen() -> list[Run]:
-    """Too thin an S-hook under 9 kg and too thin a book-end pushed with 60 N, before and after they are thickened."""
-    pages = []
-    for part, thin, times in (("s_hook", {"thickness": 6.5}, 9.0 / 5.0), ("book_end", {"thickness": 3.0}, 3.0)):
-        use = gallery.entry(part).use
-        assert use is not None
-        heavier = msgspec.to_builtins(use)
-        for load in heavier["loads"]:
-            load["force"] = [times * one for one in load["force"]]
-        made = ms.strengthen(gallery.make(part, **thin), 1.5, loads=msgspec.convert(heavier, LoadCase), vertices=2500, device="cpu")
-        pages.append(Image.open(io.BytesIO(made.show().png)).convert("RGB"))
-    whole = Image.new("RGB", (max(page.width for page in pages), sum(page.height for page in pages)), "white")
-    top = 0
-    for page in pages:
-        whole.paste(page, (0, top))
-        top += page.height
-    keep("strengthen", whole)
-    return []
-
-
 def studio() -> list[Run]:
     """The Studio before and after a run, beside a branch and painted, and a report."""
     subprocess.run([sys.executable, str(ROOT / "benchmarks" / "screenshots.py")], check=True)
@@ -110,7 +88,6 @@ def models() -> list[Run]:
 GROUPS: dict[str, tuple[Callable[[], list[Run]], tuple[str, ...], bool]] = {
     "demo": (demo, ("demo",), True),
     "tutorial": (tutorial, ("tutorial",), True),
-    "strengthen": (strengthen, ("strengthen",), True),
     "studio": (studio, ("studio-1", "studio-2", "studio-3", "studio-paint", "report"), True),
     "gallery": (models, ("gallery",), False),
 }
