@@ -132,7 +132,8 @@ class DropSimulator:
         """The moved tetrahedra and the whole drop test in all landings, with its history in time; remembered as well."""
         body, meshing = self.meshes.carrier(displacement)
         morphed, numbers = body.morph.morphed(displacement), self._numbers(displacement, thorough=True)
-        key = f"{self._key('detail', body, morphed, self.landings.normals.tolist())}-detail"
+        asked = (self.landings.normals.tolist(), self.landings.names, self.recipe.test.loads, self.recipe.test.tolerance)
+        key = f"{self._key('detail', body, morphed, asked)}-detail"
         detail = self.memo.recall(key, Detail)
         if detail is None:
             self._static(body).check()
