@@ -36,8 +36,8 @@ def utilisation(stress: Field, strain: Field, material: Material) -> Field:
 def demand(simulation: Simulation, original: Simulation, recipe: Recipe) -> Field:
     """Normalised stress s_norm(v) ≥ 0, at or above 1 where a vertex has no reserve left, shape [vertex_count].
 
-    `headroom` is the largest over the landings and loads, each beside the original in the same test, of their utilisation. The others
-    know the field as placed alone, as published.
+    `headroom` compares the utilisation of each landing and load with that of the original in the same test; the largest counts. The
+    other normalisations read the stress of the part as placed, as published.
     """
     material, normalisation = recipe.test.material, recipe.restraint.normalisation
     if normalisation != "headroom":
