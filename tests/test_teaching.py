@@ -75,7 +75,7 @@ def test_runs_with_other_settings_have_folders_of_their_own_and_the_same_is_foun
 def test_runs_that_land_flat_fall_from_higher_and_in_one_way(tmp_path, monkeypatch):
     monkeypatch.setattr(teaching.Run, "go", lambda run, *_: run)
     recipe = teaching.flat(folder=tmp_path).recipe
-    assert (recipe.test.nearly_flat, recipe.test.height) == (False, 3000.0)
+    assert (recipe.test.nearly_flat, recipe.test.height, recipe.test.tolerance) == (False, 12_000.0, 0.1)
     assert teaching.flat(folder=tmp_path, height="6 m").recipe.test.height == 6000.0
 
 

@@ -147,6 +147,7 @@ def doubt(verdict: Verdict) -> str:
         side, many = "pass" if verdict.passes else "fail", len(near) > 1
         changes = f"{several} {side if many else f'{side}es' if verdict.passes else f'{side}s'} more closely than the test repeats"
         reasons.append(f"{changes}; another mesh may say otherwise")
+    reasons += [f"{one.value:.0f} of {one.of} landings were not dropped, as it grows" for one in verdict.doubts if one.about == "landings"]
     missed = list[str]()
     for one in verdict.doubts:
         if one.about == "relief":

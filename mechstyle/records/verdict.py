@@ -122,13 +122,17 @@ class Doubt(msgspec.Struct, frozen=True, kw_only=True):
     """A reason why the outcome is not sure.
 
     Attributes:
-        about: `limit`, a test closer to its limit than it repeats; `relief`, which the mesh misses; `volume`, which is another.
+        about: `limit`, a test closer to its limit than it repeats; `landings`, of which some were not dropped; `relief`, which the mesh
+            misses; `volume`, which is another.
         test, landing, load: The test and its landing or load, "" for all.
-        value: Share used of what is allowed, share of the relief that the mesh follows, or relative error of volume.
+        value: Share used of what is allowed, number of landings left out, share of the relief that the mesh follows, or relative error of
+            volume.
+        of: Of `landings`, how many were asked for.
     """
 
-    about: Literal["limit", "relief", "volume"]
+    about: Literal["limit", "landings", "relief", "volume"]
     value: float
+    of: int = 0
     test: str = ""
     landing: str = ""
     load: str = ""
@@ -237,7 +241,7 @@ def judge(simulation: Simulation, original: Simulation | None, recipe: Recipe) -
         loads = (_row(one, None if original is None else original.load(one.name), recipe) for one in simulation.loads)
         rows = (*landings, *loads)
     outcome = max((row.outcome for row in rows), key=_SEVERITY.__getitem__)
-    return msgspec.structs.replace(empty, outcome=outcome, rows=rows, doubts=tuple(_doubts(rows, outcome, simulation)))
+    return msgspec.structs.replace(empty, outcome=outcome, rows=rows, doubts=tuple(_doubts(rows, outcome, simulation, original)))
 
 
 def _failure(simulation: Simulation, original: Simulation | None, recipe: Recipe) -> str:
@@ -291,7 +295,7 @@ def _published(simulation: Simulation, recipe: Recipe) -> Row:
     )  # fmt: skip
 
 
-def _doubts(rows: Iterable[Row], outcome: Outcome, simulation: Simulation) -> Iterable[Doubt]:
+def _doubts(rows: Iterable[Row], outcome: Outcome, simulation: Simulation, original: Simulation | None) -> Iterable[Doubt]:
     """Why an outcome is not sure: one sure failure settles it, and what passes may not hide anything."""
     rows = tuple(rows)
     if outcome == "FAILS" and any(row.outcome == "FAILS" and row.sure for row in rows):
@@ -301,6 +305,10 @@ def _doubts(rows: Iterable[Row], outcome: Outcome, simulation: Simulation) -> It
             yield Doubt(about="limit", test=row.test, landing=row.landing, load=row.load, value=row.used)
     if outcome == "FAILS":
         return
+    asked = {one.name for one in (() if original is None else original.landings)}  # of a growing relief, which falls in few of them
+    missing = asked - {one.name for one in simulation.landings}
+    if missing and not any(row.test == "published rule" for row in rows):
+        yield Doubt(about="landings", value=float(len(missing)), of=len(asked))
     if not simulation.least_carried >= LEAST_CARRIED:
         yield Doubt(about="relief", value=simulation.least_carried)
     if not abs(simulation.volume_error) <= VOLUME_ERROR:

@@ -284,6 +284,17 @@ def test_a_mesh_that_misses_relief_or_volume_leaves_a_doubt_on_what_passes(figur
         assert [doubt.about for doubt in judged.doubts] == ([] if good else ["volume" if figure == "volume_error" else "relief"])
 
 
+def test_what_passes_in_some_of_the_landings_alone_says_how_many_are_missing():
+    """While a relief grows it falls in few landings: that they hold is not that all hold."""
+    plain = a_part({"flat": 0.0, "tilted left": 0.01, "tilted right": 0.01, "direction 1": 0.01})
+    judged = judge(a_part({"flat": 0.0, "tilted left": 0.01}), plain, asked())
+    assert (judged.passes, judged.sure, [(one.about, one.value) for one in judged.doubts]) == (True, False, [("landings", 2.0)])
+    assert "2 of 4 landings were not dropped" in judged.doubt
+    assert judge(plain, plain, asked()).sure
+    paper = judge(a_part({"flat": 0.0}), plain, asked(criterion="paper"))
+    assert not [one for one in paper.doubts if one.about == "landings"], "which reads the flat landing alone"
+
+
 # --- what is stored -----------------------------------------------------------------------------------------------
 
 OLD = b"""{"outcome":"HOLDS","criterion":"robust","fall":1500.0,"strength":45.6,"material":"generic PLA","style":"brick","rows":[

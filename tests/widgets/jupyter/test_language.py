@@ -162,6 +162,7 @@ def test_every_verdict_is_said_in_german():
         (Doubt(about="limit", value=0.99, test="flat", landing="flat"), Doubt(about="relief", value=0.4)),
         tuple(Doubt(about="limit", value=0.99, test="nearly flat", landing=f"tilted 3° to the {side}") for side in ("right", "left back")),
         (Doubt(about="limit", value=0.99, test="load", load="coat"), Doubt(about="volume", value=0.05)),
+        (Doubt(about="landings", value=6.0, of=9),),
     )
     found = [*map(verdict, TESTED), verdict(row(0.06), load_row()), verdict(measure=0)]
     found += [verdict(row(0.19), doubts=one) for one in doubts]
