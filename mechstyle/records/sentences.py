@@ -119,8 +119,11 @@ def _at_worst(row: Row, verdict: Verdict) -> str:
     figures = [f"plain part {bend(row.plain_permanent_set)}"] if row.plain_permanent_set is not None else []
     if verdict.outcome != "HOLDS":
         figures.append(f"{allowed(row)} allowed")
-    cracks = f", and it cracks there: {row.plastic_strain:.1%} of strain where {row.elongation:.1%} break it" if row.cracks else ""
+    strain = f"{row.plastic_strain:.1%} of strain where {row.elongation:.1%} break it"
     beside = f" ({', '.join(figures)})" if figures else ""
+    if row.cracks and row.permanent_set <= row.allowed:  # what decides comes first
+        return f"it cracks, {_landed(row)}, with {strain}, and {bend(row.permanent_set)} stays bent{beside}"
+    cracks = f", and it cracks: {strain}" if row.cracks else ""
     at_worst = "at worst " if verdict.outcome == "HOLDS" else ""
     return f"{at_worst}{bend(row.permanent_set, _digits(row))} stays bent{place}, {_landed(row)}{beside}{cracks}"
 

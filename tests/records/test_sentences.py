@@ -57,8 +57,15 @@ HEADS = [
     (
         verdict(FLAT, CRACKED),
         (
-            "FAILS a fall of 1.5 m: 0.15 mm stays bent at the top, in the landing 'direction 3' (plain part 0 mm, 0.20 mm allowed),"
-            " and it cracks there: 6.1% of strain where 5.0% break it"
+            "FAILS a fall of 1.5 m: it cracks, in the landing 'direction 3', with 6.1% of strain where 5.0% break it,"
+            " and 0.15 mm stays bent (plain part 0 mm, 0.20 mm allowed)"
+        ),
+    ),
+    (
+        verdict(FLAT, msgspec.structs.replace(CRACKED, permanent_set=0.4)),
+        (
+            "FAILS a fall of 1.5 m: 0.40 mm stays bent at the top, in the landing 'direction 3' (plain part 0 mm, 0.20 mm allowed),"
+            " and it cracks: 6.1% of strain where 5.0% break it"
         ),
     ),
     (verdict(FLAT, BROKEN), "FAILS the load 'coat': the part gives way halfway up on the left, at 0.62 times the load"),
@@ -290,7 +297,7 @@ def test_no_sentence_says_more_than_a_simulation_knows(judged):
     said = [head(judged), doubt(judged), short(judged), note(judged), sentences.least(judged)]
     said += [cell for cells in sentences.table(judged) for cell in cells]
     for words in said:
-        assert not BANNED.search(words.replace("break it", "")), words
+        assert not BANNED.search(words.replace(" break it", "")), words
         assert "\n" not in words
     assert len(head(judged)) < 240
 

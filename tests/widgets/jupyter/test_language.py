@@ -148,6 +148,7 @@ REASONS = (
 
 TESTED = (
     row(0.06), row(0.0, place=""), row(0.61, plastic_strain=0.07, cracks=True),
+    row(0.1, plastic_strain=0.07, cracks=True, outcome="FAILS"),
     row(0.33, plain_permanent_set=0.3, allowed=0.35, outcome="NO WORSE"),
     row(0.61, test="nearly flat", landing="tilted 3° onto the right front corner", place="high up on the right"),
     load_row(), load_row(0.61),
