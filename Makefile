@@ -23,6 +23,7 @@ demo: .venv/core.stamp ## stylize a chess pawn as brick, drop it, write demo-out
 # mypy takes one core for a minute, and is done long before the tests are: both run, and both must pass.
 test: .venv/dev.stamp ## everything that must pass: lint, types, import directions, all tests
 	$(BIN)/ruff check .
+	$(BIN)/ruff format --check --quiet .
 	$(BIN)/lint-imports --no-cache
 	@$(BIN)/mypy & types=$$!; $(TESTS); tests=$$?; wait $$types && exit $$tests
 
@@ -46,6 +47,7 @@ pictures: .venv/dev.stamp ## every picture of README and pages that shows a simu
 
 lint: .venv/dev.stamp ## style, import directions and types only
 	$(BIN)/ruff check .
+	$(BIN)/ruff format --check --quiet .
 	$(BIN)/lint-imports --no-cache
 	$(BIN)/mypy
 

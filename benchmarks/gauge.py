@@ -74,9 +74,7 @@ def found(part: str, way: str, vertices: int, device: str) -> Found:
     each = [measured(piece.tets, *both).permanent_set for both in zip(dropped.permanent, dropped.tension_strain, strict=True)]
     kinds = np.array(["flat", *["nearly flat"] * len(nearly), *["10°"] * len(nearly)])
     worst = {kind: float(np.array(each)[kinds == kind].max()) for kind in AIMS}
-    return Found(
-        part=part, way=way, vertices=vertices, tetrahedra=len(piece.tets.tets), bent=worst, seconds=time.process_time() - started
-    )
+    return Found(part=part, way=way, vertices=vertices, tetrahedra=len(piece.tets.tets), bent=worst, seconds=time.process_time() - started)
 
 
 def surface_in(part: str, way: str):  # noqa: ANN201 — a SurfaceMesh, imported where it is used

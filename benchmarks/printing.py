@@ -135,10 +135,7 @@ def draw(run: Run) -> None:
             (in_bands(surface, mine), "the same in bands"),
         )),
     )  # fmt: skip
-    panels = [
-        Panel(mesh, title, note=f"{cost.changes} changes" if cost else "")
-        for mesh, title, cost in looks
-    ]
+    panels = [Panel(mesh, title, note=f"{cost.changes} changes" if cost else "") for mesh, title, cost in looks]
     picture(panels, title="").save(DOCS / "printing.png")
 
 

@@ -97,6 +97,7 @@ def most_memory() -> tuple[float, float]:
 
 def watched(profile: Profile) -> None:
     """Put the stages of a run under watch."""
+
     def filled(tets: Any, *_: Any, **__: Any) -> dict[str, Any]:
         return {"tetrahedra": len(tets.tets)}
 

@@ -61,8 +61,12 @@ def loaded(root: Path, lane: str = "main", iteration: int | None = None) -> dict
     fields = {name: array(root, state[field]).astype(np.float32) for field, name in FIELDS.items()}
     along = fields["displacement_mm"].astype(np.float64)[:, None] * vertex_normals(vertices, faces)
     return {
-        "name": part["name"], "vertices": vertices + along, "faces": faces, "fields": fields,
-        "colours": array(root, state["colour"]).astype(np.float32), "iteration": state["iteration"],
+        "name": part["name"],
+        "vertices": vertices + along,
+        "faces": faces,
+        "fields": fields,
+        "colours": array(root, state["colour"]).astype(np.float32),
+        "iteration": state["iteration"],
     }
 
 

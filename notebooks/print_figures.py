@@ -1,6 +1,6 @@
 """One figure per idea, for the wall or a handout: executes the notebooks and writes each figure that is tagged `print`, with its words.
 
-    python notebooks/print_figures.py OUT [NOTEBOOK…]
+python notebooks/print_figures.py OUT [NOTEBOOK…]
 """
 
 from __future__ import annotations

@@ -51,9 +51,7 @@ def demo_command(
     tell(both_ways(part, asked, vertices, device, folder, as_json=as_json), folder, as_json=as_json)
 
 
-def both_ways(
-    model: str | Opened, settings: Settings, vertices: int, device: str, folder: Path, *, as_json: bool
-) -> dict[str, Run]:
+def both_ways(model: str | Opened, settings: Settings, vertices: int, device: str, folder: Path, *, as_json: bool) -> dict[str, Run]:
     """Run a part freely and with feedback, with progress; the runs by what they are called."""
     from mechstyle.runs.recipes import FREESTYLE  # noqa: PLC0415 — as above
 

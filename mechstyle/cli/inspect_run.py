@@ -126,9 +126,7 @@ def export_command(
         bool,
         typer.Option("--fields", help="With stress, demand and all other known fields at its vertices, for Blender, ParaView: GLB, PLY."),
     ] = False,
-    slicer: Annotated[
-        str, OF_PRINTING(help="Whose 3MF it is: standard or prusa (one strict file), bambu or orca (another).")
-    ] = "standard",
+    slicer: Annotated[str, OF_PRINTING(help="Whose 3MF it is: standard or prusa (one strict file), bambu or orca (another).")] = "standard",
     palette: Annotated[str, OF_PRINTING(help='Filaments in the printer, slot 1 first: "#111111, #f4f1e8".')] = "",
     colours: Annotated[int | None, OF_PRINTING(help="How many filaments to choose instead, 1 to 16; the prompt's, or 2.")] = None,
     bands: Annotated[bool, OF_PRINTING("--bands", help="Filaments one above the other: as good as no changes.")] = False,

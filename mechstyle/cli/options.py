@@ -76,9 +76,7 @@ TYPED: dict[str, RecipeOption] = {
     "projection": RecipeOption(("--project", "--projection")),
     "guidance": RecipeOption(hint="clip takes any prompt; see `mechstyle weights list`."),
     "clip": RecipeOption(hint="A name of `mechstyle weights list`, or a folder as transformers saves one."),
-    "material": RecipeOption(
-        ("--material", "-m"), str, "One of the library (see `mechstyle materials`), or a .toml or .json file.", "PLA"
-    ),
+    "material": RecipeOption(("--material", "-m"), str, "One of the library (see `mechstyle materials`), or a .toml or .json file.", "PLA"),
     "height": RecipeOption(kind=str, hint='In m, cm or mm, such as "1.5 m"; a bare number is in mm.'),
     "tolerance": RecipeOption(kind=str, hint='In mm or µm, such as "0.2 mm".'),
     "build_direction": RecipeOption(kind=str),

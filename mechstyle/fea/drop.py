@@ -92,8 +92,15 @@ class DropTest:
 
     def __post_init__(self) -> None:
         """Refuse values no drop test has, naming the value and the range."""
-        limits = {"height": (1.0, 1e5), "friction": (0.0, 2.0), "window": (1e-3, 50.0), "damping": (0.0, 1.0), "added_mass": (0.0, 0.1),
-                  "quiet": (0.0, 10.0), "safety": (0.05, 2.0)}
+        limits = {
+            "height": (1.0, 1e5),
+            "friction": (0.0, 2.0),
+            "window": (1e-3, 50.0),
+            "damping": (0.0, 1.0),
+            "added_mass": (0.0, 0.1),
+            "quiet": (0.0, 10.0),
+            "safety": (0.05, 2.0),
+        }
         for field, (low, high) in limits.items():
             value = getattr(self, field)
             if value is not None and not low <= value <= high:
@@ -276,9 +283,7 @@ def _unit(directions: ArrayLike) -> Floats:
     return normals / lengths
 
 
-def _of_tracks(
-    tets: TetMesh, discretisation: Discretisation, scheme: Scheme, tracks: Sequence[Track], steps: int, failure: str
-) -> Drop:
+def _of_tracks(tets: TetMesh, discretisation: Discretisation, scheme: Scheme, tracks: Sequence[Track], steps: int, failure: str) -> Drop:
     """What drops left, in the caller's numbering; a failed drop has no stress but infinity."""
     used, shape = discretisation.vertices, (len(tracks), len(discretisation.volumes), discretisation.mesh.element.points)
     von_mises = np.full(shape, np.inf, np.float32)

@@ -31,7 +31,6 @@ READING: Mapping[str, type] = MappingProxyType({"unit": str, "scale": float, "si
 _SAID = re.compile(r"(.+)#(\w+=.*)", re.DOTALL)
 
 
-
 class Entry(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """A model as the catalogue knows it."""
 

@@ -200,9 +200,7 @@ def follower(vertex: wp.int32, face: wp.vec3i) -> wp.int32:
 
 
 @wp.func
-def keeps_its_side(
-    a: wp.vec3d, b: wp.vec3d, c: wp.vec3d, to: wp.vec3d, longest: wp.float64, cosine: wp.float64
-) -> bool:
+def keeps_its_side(a: wp.vec3d, b: wp.vec3d, c: wp.vec3d, to: wp.vec3d, longest: wp.float64, cosine: wp.float64) -> bool:
     """Whether the triangle abc can move its corner a without turning too far or an edge at it becoming too long."""
     was, becomes = wp.cross(b - a, c - a), wp.cross(b - to, c - to)  # normals as long as twice the areas
     short = wp.length(b - to) <= longest and wp.length(c - to) <= longest

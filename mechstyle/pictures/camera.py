@@ -40,9 +40,7 @@ class Camera:
             raise BadInput(f"{self}: distance and aspect must be positive, the opening 0 to 170, the elevation -90 to 90 degrees")
 
     @classmethod
-    def fitted(
-        cls, points: ArrayLike, azimuth: float, elevation: float, *, aspect: float = 1.0, field_of_view: float = OPENING
-    ) -> Camera:
+    def fitted(cls, points: ArrayLike, azimuth: float, elevation: float, *, aspect: float = 1.0, field_of_view: float = OPENING) -> Camera:
         """The nearest camera in a direction from which all points are in the picture, 6 % of it left free on each side.
 
         A point (x, y, z) in camera axes around a target shifted by (s, t) is inside when |x - s| <= k (d - z) and |y - t| <= h (d - z);

@@ -240,5 +240,14 @@ def _draw_bar(axes: Axes, label: str, unit: str, scale: Scale, edge: str) -> Non
     if scale.split:
         axes.axvline(scale.top, ymin=-0.3, ymax=1.35, color=INK, linewidth=1.4, clip_on=False)
         place = (scale.top - scale.low) / (scale.high - scale.low)
-        axes.text(min(place, 1.0), 1.35, f"{edge} {scale.top:.3g}", transform=axes.transAxes, size=9.5, weight="bold", color=INK,
-                  va="bottom", ha="right" if place > 0.5 else "left")
+        axes.text(
+            min(place, 1.0),
+            1.35,
+            f"{edge} {scale.top:.3g}",
+            transform=axes.transAxes,
+            size=9.5,
+            weight="bold",
+            color=INK,
+            va="bottom",
+            ha="right" if place > 0.5 else "left",
+        )

@@ -81,8 +81,17 @@ def _draw(axes: Axes, plot: Plot) -> None:
     if plot.limit is not None:
         value, name = plot.limit
         axes.axhline(value, color=INK, linewidth=1.2, linestyle=(0, (6, 3)))
-        axes.annotate(name, (1.0, value), xycoords=("axes fraction", "data"), xytext=(-2, 3), textcoords="offset points",
-                      ha="right", size=9, weight="bold", color=INK)
+        axes.annotate(
+            name,
+            (1.0, value),
+            xycoords=("axes fraction", "data"),
+            xytext=(-2, 3),
+            textcoords="offset points",
+            ha="right",
+            size=9,
+            weight="bold",
+            color=INK,
+        )
     if plot.mark is not None:
         x, y = plot.mark
         axes.plot([x], [y], marker="o", markersize=6, markerfacecolor="white", markeredgecolor=INK, linestyle="none")

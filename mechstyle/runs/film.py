@@ -189,4 +189,3 @@ def _legend(page: Image.Image, scale: Scale, top: int, words: str, factor: float
     beside = EDGE + width + 2 * EDGE
     draw.text((beside, top + 8), words, INK, small)
     draw.text((beside, top + 28), f"deformation drawn {factor:.0f} times", INK, small)
-

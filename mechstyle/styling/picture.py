@@ -55,9 +55,7 @@ def _coloured(canvas: Canvas, colours: Floats, cover: Floats) -> Floats:
     return mix(np.tile(body, (len(cover), 1)), canvas.painted(colours), cover)
 
 
-STYLE = Style(
-    name=NAME, description="a picture of yours, as relief, as colours or as both", feature_mm=1.0, program=picture
-)
+STYLE = Style(name=NAME, description="a picture of yours, as relief, as colours or as both", feature_mm=1.0, program=picture)
 """It belongs to no library: it draws nothing without a picture. Its feature is the usual width of light and dark in it."""
 
 

@@ -243,7 +243,7 @@ def test_a_tolerance_has_a_unit_and_a_bad_one_is_refused_before_anything_else(as
     model = {"demo": ["--model", "gallery:none"], "branch": ["nowhere"]}.get(command, ["gallery:none"])
     outcome = CliRunner().invoke(app, [command, *model, "--tolerance", "0.2 m"])
     assert outcome.exit_code == 2
-    assert "a tolerance is in mm or µm, not in 'm': write \"0.2 mm\" or \"200 µm\"" in " ".join(outcome.output.split())
+    assert 'a tolerance is in mm or µm, not in \'m\': write "0.2 mm" or "200 µm"' in " ".join(outcome.output.split())
 
 
 def test_what_is_set_by_name_comes_last(asked):

@@ -35,7 +35,7 @@ def test_lists_take_all_the_words_that_follow(asked):
         "formative", "--models", "pen_holder", "phone_stand", "wall_hook", "--styles", "brick", "green", "--vertices", "6000",
         "--iterations", "60", "--seeds", "1", "2", "--jobs", "2", "--out", "here", "--set", "nearly_flat=False",
     )  # fmt: skip
-    (cells, folder, jobs, scheduler), = seen
+    ((cells, folder, jobs, scheduler),) = seen
     assert (len(cells), folder, jobs, scheduler) == (12, "here", 2, "")
     assert {cell.part for cell in cells} == {"pen_holder", "phone_stand", "wall_hook"}
     assert {(cell.recipe.schedule.iterations, cell.recipe.test.nearly_flat, cell.vertices) for cell in cells} == {(60, 0, 6000)}

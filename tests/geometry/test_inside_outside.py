@@ -142,8 +142,20 @@ def vase(mouth):
         (manifold3d.Manifold.cylinder(40.0, 20.0, 20.0, 64), False),
         (manifold3d.Manifold.cube((60.0, 60.0, 20.0)) - manifold3d.Manifold.cube((20.0, 20.0, 10.0)).translate((20, 20, 10)), False),
     ],
-    ids=["needle neck", "narrow neck", "neck", "lying with a narrow neck", "bottomless with a narrow neck",
-         "cup", "upside down", "lying", "tube", "lampshade", "solid", "block with a dent"],
+    ids=[
+        "needle neck",
+        "narrow neck",
+        "neck",
+        "lying with a narrow neck",
+        "bottomless with a narrow neck",
+        "cup",
+        "upside down",
+        "lying",
+        "tube",
+        "lampshade",
+        "solid",
+        "block with a dent",
+    ],
 )
 def test_a_container_opens_to_one_side_only_and_is_mostly_hollow_however_it_lies(what, holds):
     assert is_container(surface_of(what.refine_to_length(2.5))) is holds

@@ -359,5 +359,3 @@ def test_a_depth_replaces_one_of_the_other_kind(part):
     assert changed(told, {"amplitude": 0.2}) == plan(part, "brick", amplitude=0.2)
     both = changed(plan(part, "brick", amplitude=0.2), {"relief": 0.8})
     assert (both.style.relief, both.style.amplitude) == (0.8, 0.2), "a relief in mm goes before"
-
-

@@ -122,8 +122,9 @@ def test_a_forged_figure_is_found_out(block, tmp_path, capsys):
     head = store.checkpoint(store.lane().head)
     *others, last = head.verdict.rows
     forged = msgspec.structs.replace(head.verdict, rows=(*others, msgspec.structs.replace(last, permanent_set=last.permanent_set + 0.5)))
-    forged = store.objects.put_record(type(head)(**{**{name: getattr(head, name) for name in head.__dataclass_fields__},
-                                                "verdict": forged}))
+    forged = store.objects.put_record(
+        type(head)(**{**{name: getattr(head, name) for name in head.__dataclass_fields__}, "verdict": forged})
+    )
     store.move("forged", Lane(recipe=store.lane().recipe, head=forged))
     with pytest.raises(SystemExit) as left:
         rerun_command(f"{store.root}@forged", tmp_path / "again", device="cpu")

@@ -38,9 +38,14 @@ def boxed(steps: tuple[int, int, int], inside, edge: float = EDGE) -> SurfaceMes
     """The surface of the cells of a grid for which `inside(i, j, k)`, two triangles a side."""
     full = np.zeros(np.add(steps, 2), bool)
     full[1:-1, 1:-1, 1:-1] = np.broadcast_to(inside(*np.indices(steps)), steps)
-    sides = {(0, 0, 1): ((0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)), (0, 0, -1): ((0, 0, 0), (0, 1, 0), (1, 1, 0), (1, 0, 0)),
-             (0, 1, 0): ((0, 1, 0), (0, 1, 1), (1, 1, 1), (1, 1, 0)), (0, -1, 0): ((0, 0, 0), (1, 0, 0), (1, 0, 1), (0, 0, 1)),
-             (1, 0, 0): ((1, 0, 0), (1, 1, 0), (1, 1, 1), (1, 0, 1)), (-1, 0, 0): ((0, 0, 0), (0, 0, 1), (0, 1, 1), (0, 1, 0))}
+    sides = {
+        (0, 0, 1): ((0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)),
+        (0, 0, -1): ((0, 0, 0), (0, 1, 0), (1, 1, 0), (1, 0, 0)),
+        (0, 1, 0): ((0, 1, 0), (0, 1, 1), (1, 1, 1), (1, 1, 0)),
+        (0, -1, 0): ((0, 0, 0), (1, 0, 0), (1, 0, 1), (0, 0, 1)),
+        (1, 0, 0): ((1, 0, 0), (1, 1, 0), (1, 1, 1), (1, 0, 1)),
+        (-1, 0, 0): ((0, 0, 0), (0, 0, 1), (0, 1, 1), (0, 1, 0)),
+    }
     index: dict[tuple[int, ...], int] = {}
     faces = []
     shown = [full & ~np.roll(full, np.negative(direction), (0, 1, 2)) for direction in sides]

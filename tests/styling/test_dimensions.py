@@ -92,9 +92,7 @@ def test_without_a_minimum_a_thin_wall_is_cut_by_a_quarter(holder):
 def test_on_a_wall_that_bears_no_such_relief_it_is_lower_and_that_is_said(holder):
     layout = laid(holder, 0.2, relief=1.0)
     assert np.ptp(ends(holder, layout)) == pytest.approx(0.4, abs=0.02)
-    assert layout.notes[-1] == (
-        "the relief is down to 0.4 mm deep instead of 1 mm on 100% of the surface: the walls there bear no more"
-    )
+    assert layout.notes[-1] == ("the relief is down to 0.4 mm deep instead of 1 mm on 100% of the surface: the walls there bear no more")
     assert "0.4 mm deep instead of 0.6 mm" in laid(holder, 0.2).notes[-1]
     assert "0.4 mm deep instead of 0.6 mm on 100% of the surface: features of 1 mm bear no more" in laid(holder, WALL, 1.0).notes[-1]
 

@@ -23,8 +23,10 @@ CASES = {
         Case("bar", "Pressure under a bar that lands on its end: ρ c v", impacts.bar),
         Case("bar_calculix", "The stress wave in a bar in CalculiX's explicit dynamics", impacts.bar_calculix, slow=True),
         Case(
-            "contact", "A bracket on its corner in CalculiX's explicit dynamics, one element thick",
-            partial(impacts.bracket_of_calculix, "contact", 4.0, 0.15), slow=True,
+            "contact",
+            "A bracket on its corner in CalculiX's explicit dynamics, one element thick",
+            partial(impacts.bracket_of_calculix, "contact", 4.0, 0.15),
+            slow=True,
         ),
         Case("contact_fine", "The same bracket in two layers", partial(impacts.bracket_of_calculix, "contact_fine", 2.0, 0.1), slow=True),
         Case("sphere", "A ball on the floor: Hertz's contact", impacts.sphere, slow=True),

@@ -74,8 +74,10 @@ def even(mesh: SurfaceMesh, vertices: int = STANDARD_VERTICES, go_on: CancelChec
     if nearly is not None:
         return nearly
     left = "" if _has_area(found, edge) else ", with triangles without area"
-    raise BadInput(f"this part could not be brought to {vertices} even vertices (the nearest was {len(found.vertices)}{left}); "
-                   f"ask for {'more' if len(found.vertices) > vertices else 'another number'}")
+    raise BadInput(
+        f"this part could not be brought to {vertices} even vertices (the nearest was {len(found.vertices)}{left}); "
+        f"ask for {'more' if len(found.vertices) > vertices else 'another number'}"
+    )
 
 
 def crowded(body: Any, edge: float, vertices: float, go_on: CancelCheck = never_cancel) -> bool:

@@ -102,8 +102,12 @@ def _moved(tets: TetMesh, reach: float, floor: float, go_on: CancelCheck) -> Flo
     axes, least, most = _room(tets, free, floor)
     patch = _Patch(tets.vertices, around, free, reach * axes, wanted)
     found = minimize(
-        patch.value, np.zeros(least.size), jac=True, method="L-BFGS-B",
-        bounds=np.stack([least.ravel(), most.ravel()], axis=1), callback=lambda _: go_on(),
+        patch.value,
+        np.zeros(least.size),
+        jac=True,
+        method="L-BFGS-B",
+        bounds=np.stack([least.ravel(), most.ravel()], axis=1),
+        callback=lambda _: go_on(),
         options={"maxiter": TOL.minimiser_rounds, "maxfun": 2 * TOL.minimiser_rounds},
     )
     moved = patch.moved(found.x)

@@ -198,9 +198,9 @@ def _steady(was: Floats, becomes: Floats) -> Bools:
 
 def _neighbour_means(vertices: Floats, faces: Indices) -> Floats:
     """The mean of each vertex' neighbours: every one of them follows it in exactly one face."""
-    total = np.column_stack([
-        sum(np.bincount(faces[:, k], column[faces[:, (k + 1) % 3]], len(vertices)) for k in range(3)) for column in vertices.T
-    ])
+    total = np.column_stack(
+        [sum(np.bincount(faces[:, k], column[faces[:, (k + 1) % 3]], len(vertices)) for k in range(3)) for column in vertices.T]
+    )
     return total / np.bincount(faces.ravel(), minlength=len(vertices))[:, None]
 
 

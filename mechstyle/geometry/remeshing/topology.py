@@ -60,9 +60,12 @@ def valid_collapses(vertices: Floats, faces: Indices, edges: Indices, meeting: F
     around = (np.argsort(corners, kind="stable") // 3).astype(np.int32)
     sound: Any = wp.empty(len(edges), dtype=wp.bool, device="cpu")
     given = [
-        wp.array(edges, dtype=wp.vec2i, device="cpu"), wp.array(meeting, dtype=wp.vec3d, device="cpu"),
-        wp.array(vertices, dtype=wp.vec3d, device="cpu"), wp.array(faces, dtype=wp.vec3i, device="cpu"),
-        wp.array(first, dtype=wp.int32, device="cpu"), wp.array(around, dtype=wp.int32, device="cpu"),
+        wp.array(edges, dtype=wp.vec2i, device="cpu"),
+        wp.array(meeting, dtype=wp.vec3d, device="cpu"),
+        wp.array(vertices, dtype=wp.vec3d, device="cpu"),
+        wp.array(faces, dtype=wp.vec3i, device="cpu"),
+        wp.array(first, dtype=wp.int32, device="cpu"),
+        wp.array(around, dtype=wp.int32, device="cpu"),
     ]
     wp.launch(sound_collapses, dim=len(edges), inputs=[*given, longest, cosine, sound], device="cpu")
     return sound.numpy()

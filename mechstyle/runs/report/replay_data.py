@@ -98,8 +98,13 @@ class Channel:
         """Its entry in the header."""
         size = self.planes[0].dtype.itemsize
         return {
-            "name": self.name, "planes": len(self.planes), "frames": self.frames,
-            "low": self.low, "step": self.step, "width": self.width, "size": size,
+            "name": self.name,
+            "planes": len(self.planes),
+            "frames": self.frames,
+            "low": self.low,
+            "step": self.step,
+            "width": self.width,
+            "size": size,
         }
 
     def packed(self) -> bytes:
@@ -182,8 +187,11 @@ def channel_of(name: str, arrays: Sequence[NDArray[Any]], frames: list[int] | No
 def _frame(row: Row) -> dict[str, Any]:
     """A frame of the replay."""
     frame = {
-        "iteration": row.iteration, "simulatedAt": row.simulated_at, "reason": row.reason,
-        "restrained": round(row.share, 5), "loss": row.style_loss,
+        "iteration": row.iteration,
+        "simulatedAt": row.simulated_at,
+        "reason": row.reason,
+        "restrained": round(row.share, 5),
+        "loss": row.style_loss,
     }
     verdict = row.verdict
     if verdict is None:

@@ -162,9 +162,7 @@ def horizontal_lines(operators: Operators) -> Floats:
     return np.asarray(np.where(against[:, None], -lines, lines))
 
 
-def stripes(
-    operators: Operators, direction: Floats, period: float, *, grip: float = 1.0, start: Complexes | None = None
-) -> Floats:
+def stripes(operators: Operators, direction: Floats, period: float, *, grip: float = 1.0, start: Complexes | None = None) -> Floats:
     """Phase of stripes [cycles] that grows by one every `period` [mm] along `direction`, a line field with arrows; shape [n], in [-½, ½].
 
     The smallest eigenvector of the energy of Knöppel et al. (2015), by inverse iteration from a fixed start. Where the arrows of an

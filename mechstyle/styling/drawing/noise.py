@@ -9,8 +9,24 @@ from mechstyle.records.mesh import Floats
 
 # The twelve edge directions of a cube and four repeats, so that four bits of a hash choose one (Perlin 2002).
 _GRADIENTS = np.array(
-    [[1, 1, 0], [-1, 1, 0], [1, -1, 0], [-1, -1, 0], [1, 0, 1], [-1, 0, 1], [1, 0, -1], [-1, 0, -1],
-     [0, 1, 1], [0, -1, 1], [0, 1, -1], [0, -1, -1], [1, 1, 0], [-1, 1, 0], [0, -1, 1], [0, -1, -1]],
+    [
+        [1, 1, 0],
+        [-1, 1, 0],
+        [1, -1, 0],
+        [-1, -1, 0],
+        [1, 0, 1],
+        [-1, 0, 1],
+        [1, 0, -1],
+        [-1, 0, -1],
+        [0, 1, 1],
+        [0, -1, 1],
+        [0, 1, -1],
+        [0, -1, -1],
+        [1, 1, 0],
+        [-1, 1, 0],
+        [0, -1, 1],
+        [0, -1, -1],
+    ],
     dtype=np.float64,
 )
 _PERLIN_DEVIATION = 0.27  # standard deviation of `perlin` over space

@@ -44,9 +44,7 @@ def grain(canvas: Canvas, unit: float) -> tuple[Floats, Floats, Floats]:
 
 RADIUS = 32.0
 # Rings of petals: inner and outer radius over that of the mandala, number of petals, colours of every other petal.
-RINGS = (
-    (0.12, 0.54, 8, ("e8a32e", "e8a32e")), (0.42, 0.80, 8, ("c8323f", "c8323f")), (0.76, 1.00, 16, ("2c9c9c", "efc94c"))
-)
+RINGS = ((0.12, 0.54, 8, ("e8a32e", "e8a32e")), (0.42, 0.80, 8, ("c8323f", "c8323f")), (0.76, 1.00, 16, ("2c9c9c", "efc94c")))
 
 
 @style("round mandalas of coloured petals, inlaid in mahogany", feature_mm=15.0)

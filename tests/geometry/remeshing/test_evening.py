@@ -209,6 +209,7 @@ def test_a_count_that_a_part_jumps_over_is_missed_by_a_tenth_at_most():
     """A coaster's rounds take a whole row more or less at once: 2830 vertices or 3160, whatever the edge length."""
     assert abs(len(even(make("coaster"), 3000).vertices) / 3000 - 1) <= 0.1
 
+
 @pytest.fixture
 def needled():
     """A chamfered bar of 60 mm; along the middle of its chamfer runs a needle 0.01 mm high that looks 45° elsewhere."""

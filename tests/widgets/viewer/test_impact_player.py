@@ -94,9 +94,7 @@ def test_a_landing_that_was_not_tested_there_is_flat_again(state, viewer, monkey
 
 def test_what_was_not_tested_in_that_landing_stands_beside_it_at_rest(state, viewer, monkeypatch):
     known = state.simulation
-    monkeypatch.setattr(
-        state, "simulation", lambda store, at: one_landing(known(store, at)) if at.iteration == 4 else known(store, at)
-    )
+    monkeypatch.setattr(state, "simulation", lambda store, at: one_landing(known(store, at)) if at.iteration == 4 else known(store, at))
     viewer.compared = ("main", 4)
     viewer.player.landing = state.run.simulation(12).landings[1].name
     viewer.player.play()

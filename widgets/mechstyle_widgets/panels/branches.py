@@ -49,8 +49,7 @@ class Branches(Section):
         self._changes = lean(Words)
         self._name = control(ipywidgets.Text, "new lane", placeholder="named by number")
         self._branch = lean(
-            ipywidgets.Button,
-            icon="code-fork", layout=WIDE, tooltip="A new lane from this iteration, with the settings at the left"
+            ipywidgets.Button, icon="code-fork", layout=WIDE, tooltip="A new lane from this iteration, with the settings at the left"
         )
         self._pin = lean(ipywidgets.Button, icon="thumb-tack", layout=WIDE, tooltip="Remember this iteration and compare others with it")
         self._also = lean(ipywidgets.Button, icon="plus", layout=WIDE, tooltip="A third pane, which stays as it is")

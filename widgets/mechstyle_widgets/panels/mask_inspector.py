@@ -56,11 +56,17 @@ class MaskInspector(Section):
         self._plots = Words(layout=WIDE)
         self._show_layer = lean(
             ipywidgets.ToggleButton,
-            description="show it", icon="eye", tooltip="Colour the part by the mask that would be", layout={"width": "50%"}
+            description="show it",
+            icon="eye",
+            tooltip="Colour the part by the mask that would be",
+            layout={"width": "50%"},
         )
         self._use = lean(
             ipywidgets.Button,
-            description="use this", icon="code-fork", tooltip="Go on with these settings, in a branch", layout={"width": "50%"}
+            description="use this",
+            icon="code-fork",
+            tooltip="Go on with these settings, in a branch",
+            layout={"width": "50%"},
         )
         self._slider = unseen(lean(
             ipywidgets.FloatLogSlider,

@@ -77,8 +77,13 @@ def _empty() -> dict[str, Any]:
     figure.add_scatter(row=1, col=1, mode="lines+markers", name="planned", line={"color": FAINT, "width": 2})
     rule = {"type": "line", "xref": "x", "yref": "paper", "x0": 0, "x1": 0, "y0": 0, "y1": 1, "line": {"color": "#e08e0b", "width": 2}}
     figure.update_layout(
-        shapes=[rule], dragmode=False, hovermode="closest", paper_bgcolor="rgba(0,0,0,0)", plot_bgcolor="rgba(0,0,0,0)",
-        margin={"l": LEFT, "r": RIGHT, "t": 18, "b": 30}, font={"size": 11},
+        shapes=[rule],
+        dragmode=False,
+        hovermode="closest",
+        paper_bgcolor="rgba(0,0,0,0)",
+        plot_bgcolor="rgba(0,0,0,0)",
+        margin={"l": LEFT, "r": RIGHT, "t": 18, "b": 30},
+        font={"size": 11},
         legend={"orientation": "h", "x": 1.0, "xanchor": "right", "y": 1.02, "yanchor": "bottom", "itemclick": False},
     )
     figure.update_xaxes(fixedrange=True, zeroline=False)
@@ -232,7 +237,11 @@ def _layout(lanes: Sequence[str], known: Mapping[str, str], lane: str, curve: st
         "yaxis": {"domain": domains[0], "type": "category", "range": [-0.6, len(lanes) - 0.4], "showgrid": False, **rows},
         "yaxis2": {"domain": domains[1], "title": {"text": "[mm]"}, "rangemode": "tozero", "nticks": 4, "showticklabels": True},
         "yaxis3": {
-            "domain": domains[2], "visible": bool(curve), "title": {"text": word(UNITS[curve])}, "rangemode": "tozero", "nticks": 4,
+            "domain": domains[2],
+            "visible": bool(curve),
+            "title": {"text": word(UNITS[curve])},
+            "rangemode": "tozero",
+            "nticks": 4,
             "showticklabels": True,
         },
         "xaxis3": {"title": {"text": word("iteration"), "standoff": 2}},

@@ -96,7 +96,7 @@ def brief(subject: Subject, vertex: int, name: str) -> str:
     """HTML of where a vertex is, and of its value in the layer of a name."""
     layer, place = subject.layer(name), ", ".join(f"{value:.1f}" for value in subject.mesh.vertices[vertex])
     value = "" if layer is None else f"<b>{escape(said(layer.text_at(vertex)))}</b> &ensp;"
-    return f'<span>✕ {value}{said("at")} ({place}) mm</span>'
+    return f"<span>✕ {value}{said('at')} ({place}) mm</span>"
 
 
 def table(subject: Subject, vertex: int) -> str:
