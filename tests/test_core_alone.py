@@ -51,5 +51,5 @@ def test_files_are_read_or_refused_where_nothing_but_the_core_is_installed(tmp_p
     paths = [str(put(tmp_path, name, content)) for name, content in FILES.items()]
     done = subprocess.run([sys.executable, "-c", READ.format(missing=missing), *paths], capture_output=True, text=True, check=False)
     assert (done.returncode, done.stderr) == (0, "")
-    told = [f"refused: {name} holds no triangles" if name == "picture.stl" else f"{len(PART.faces)} faces" for name in FILES]
+    told = [f"refused: {name} is a picture" if name == "picture.stl" else f"{len(PART.faces)} faces" for name in FILES]
     assert [line[: len(words)] for line, words in zip(done.stdout.splitlines(), told, strict=True)] == told

@@ -1,7 +1,7 @@
 """Reading parts from files and writing them back, in millimetres, z up.
 
-STL, OBJ and PLY have no unit and are taken as millimetres; 3MF names its unit; glTF is in metres with y up, by its standard. A size that
-nobody prints is asked about.
+STL, OBJ and PLY have no unit and are taken as millimetres; 3MF and STEP name their unit; glTF is in metres with y up, by its standard. A
+size that nobody prints is asked about.
 """
 
 from __future__ import annotations
@@ -25,8 +25,10 @@ import trimesh
 
 from mechstyle._files import write_aside
 from mechstyle.errors import BadInput, unknown
+from mechstyle.geometry import step
 from mechstyle.geometry.claims import MOST_BYTES, MOST_FACES, Beyond, check_claims, stl_length
 from mechstyle.geometry.glb import DULL, Sheen, glb_bytes, plain
+from mechstyle.geometry.mistaken import mistaken
 from mechstyle.geometry.one_body import Body, bodies_of, repaired
 from mechstyle.geometry.pieces import COLOURS_LEFT, Held, Piece, Thing, size_words
 from mechstyle.geometry.threemf import threemf_bytes
@@ -83,7 +85,7 @@ class ReadPart(NamedTuple):
 def read(
     path: str | Path, *, scale: float | None = None, up: str = "", unit: str = "", size: float | None = None, body: str | int = ""
 ) -> ReadPart:
-    """Read one closed body from an STL, OBJ, PLY, GLB or 3MF file; also returns the repairs it took.
+    """Read one closed body from an STL, OBJ, PLY, GLB, 3MF or STEP file; also returns the repairs it took.
 
     Args:
         path: The file.
@@ -177,15 +179,7 @@ def _left_out(held: Held, matrix: Floats) -> list[str]:
 
 def _checked_content(file: Path) -> Held:
     """What a file holds, in its units; at least one piece, with faces."""
-    suffix = file.suffix.lower().lstrip(".")
-    if not file.name.isprintable():
-        raise BadInput(f"{file.name[:60]!r} holds signs that are no letters: give the file another name")
-    if suffix not in FORMATS:
-        raise BadInput(
-            f"{file.name}: cannot read {_kind(suffix)}; open it in the program it was made with (a STEP file in FreeCAD or a slicer) and "
-            f"export it as {', '.join(FORMATS)}"
-        )
-    content = _normalised_text(_content(file), suffix)
+    content, suffix = _known_content(file)
     if suffix != "3mf":
         check_claims(file.name, content, suffix)
     held = _parsed(file.name, content, suffix)
@@ -203,6 +197,21 @@ def _checked_content(file: Path) -> Held:
         if len(faces) and (faces.min() < 0 or faces.max() >= len(vertices)):
             raise BadInput(f"{file.name} has faces with vertices that are not there: it is damaged or was cut off; export it again")
     return held
+
+
+def _known_content(file: Path) -> tuple[bytes, str]:
+    """The bytes of a file and the suffix of its format, one of FORMATS."""
+    suffix = file.suffix.lower().lstrip(".")
+    if not file.name.isprintable():
+        raise BadInput(f"{file.name[:60]!r} holds signs that are no letters: give the file another name")
+    if suffix not in {*FORMATS, *step.SUFFIXES}:
+        raise BadInput(
+            f"{file.name}: cannot read {_kind(suffix)}; open it in the program it was made with and export it as {', '.join(FORMATS)}"
+        )
+    content = _normalised_text(_content(file), suffix)
+    if what := mistaken(content, "step" if suffix in step.SUFFIXES else suffix):
+        raise BadInput(f"{file.name} {what}")
+    return (step.glb_of(file.name, content), "glb") if suffix in step.SUFFIXES else (content, suffix)
 
 
 def _kind(suffix: str) -> str:
@@ -249,6 +258,8 @@ def _normalised_text(content: bytes, suffix: str) -> bytes:
         first = re.search(rb"(?m)^v [^\n]*", text)
         if first and len(first[0].split()) == WEIGHTED:
             text = re.sub(rb"(?m)^(v(?: +[^ \n]+){3}) +[^ \n]+ *$", rb"\1", text)
+    if suffix == "stl":
+        text = re.sub(rb"(?mi)^([ \t]*end)[ \t]+(loop|facet|solid)\b", rb"\1\2", text)
     return text
 
 

@@ -22,6 +22,8 @@ SPECK, TINY, FEW, DUST = 1e-3, 1.0, 10, 0.2
 nozzle], and if no more than so many are: more of them may be letters or dots. What is shorter than the last [mm] no printer shows."""
 CONTACT = 0.04
 """Area over which bodies touch so that they are one [mm²], the square of half a line of a nozzle."""
+SEAM = 0.098
+"""Gap that a slicer closes, so that what lies nearer is printed as one [mm]: twice the closing radius of PrusaSlicer and its kin."""
 SAME = 1e-4
 """How far copies may differ, over their size."""
 MOST_TURNS = 400
@@ -65,7 +67,8 @@ def repaired(things: Sequence[Thing], name: str, body: str = "") -> tuple[Surfac
     fitting = [one for one in found if one.name.lower() == wanted] or [one for one in found if str(one.number) == wanted]
     listed = _listed([one.words for one in found])
     if not wanted and len(found) > 1:
-        example = quoted_name(found[0].name) if found[0].name else found[0].number
+        unique = [one.name.lower() for one in found].count(found[0].name.lower()) == 1
+        example = quoted_name(found[0].name) if found[0].name and unique else found[0].number
         way = f"a drop test needs one; choose it with --body {example}, or join them"
         raise BadInput(f"{name} holds {len(found)} separate bodies, {listed}: {way}")
     if len(fitting) > 1:
@@ -144,17 +147,18 @@ def joined(pieces: Sequence[Piece]) -> tuple[Floats, NDArray[np.int64]]:
 
 
 def _touching_united(parts: list[Any]) -> list[Any]:
-    """The same with those united that touch: between coordinates that were rounded they may lie apart by less than a hairline."""
+    """The same with those united that touch, or lie apart by no more than what a slicer closes."""
     reach = HAIRLINE * float(np.linalg.norm(np.ptp(_boxes(parts).reshape(-1, 3), axis=0)))
+    furthest = max(reach, SEAM)
     apart, whole = parts[::-1], list[Any]()
     while apart:
         part = apart.pop(0)  # smallest first: what touches something larger becomes part of it
         low, high = _boxes([part])[0]
         boxes = _boxes(apart)
-        near = np.flatnonzero((boxes[:, 0] <= high + reach).all(axis=1) & (boxes[:, 1] >= low - reach).all(axis=1))
+        near = np.flatnonzero((boxes[:, 0] <= high + furthest).all(axis=1) & (boxes[:, 1] >= low - furthest).all(axis=1))
         for host in near[::-1]:
-            gap = part.min_gap(apart[host], reach)
-            union = _pressed(part, apart[host], gap, reach) if gap < reach else None
+            gap = part.min_gap(apart[host], furthest)
+            union = _pressed(part, apart[host], gap, reach) if gap < furthest else None
             if union is not None:
                 apart[host] = union
                 break
@@ -201,7 +205,10 @@ def _without_specks(parts: list[Any], notes: list[str]) -> list[Any]:
 
 
 def _numbered(parts: list[Any], pieces: Sequence[Piece]) -> list[Body]:
-    """The bodies in the order of the file, each with the name of the piece that it has most of; copies of one as one."""
+    """The bodies in the order of the file, each with the name of the piece that it has most of; copies of one as one.
+
+    Copies lie clearly apart: equal bodies that touch in a point or an edge, or nearly, are one part that is badly joined.
+    """
     names = [piece.name for piece in pieces]
     label = np.repeat(np.arange(len(pieces)), [len(piece.vertices) for piece in pieces])
     tree = cKDTree(np.concatenate([piece.vertices for piece in pieces]))
@@ -209,7 +216,7 @@ def _numbered(parts: list[Any], pieces: Sequence[Piece]) -> list[Body]:
     order = sorted(range(len(parts)), key=lambda index: int(nearest[index].min()))
     groups: list[list[int]] = []
     for index in order:
-        group = next((group for group in groups if is_copy(parts[group[0]], parts[index])), None)
+        group = next((group for group in groups if is_copy(parts[group[0]], parts[index]) and _clear_of(parts, index, group)), None)
         if group is None:
             groups.append([index])
         else:
@@ -217,6 +224,11 @@ def _numbered(parts: list[Any], pieces: Sequence[Piece]) -> list[Body]:
     mostly = [names[int(np.bincount(label[near]).argmax())] for near in nearest]
     numbers = {group[0]: number for number, group in enumerate(groups, 1)}
     return [_body(numbers[group[0]], mostly[group[0]], [parts[index] for index in group]) for group in groups]
+
+
+def _clear_of(parts: list[Any], index: int, others: list[int]) -> bool:
+    """Whether a body lies further from others than a slicer closes."""
+    return all(parts[index].min_gap(parts[other], 2.0 * SEAM) > SEAM for other in others)
 
 
 def _body(number: int, name: str, copies: list[Any]) -> Body:

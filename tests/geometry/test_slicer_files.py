@@ -4,6 +4,7 @@ import io
 import zipfile
 
 import pytest
+import trimesh
 
 from mechstyle.geometry import claims, threemf_reader
 from mechstyle.geometry.files import bodies, read
@@ -300,6 +301,7 @@ def test_a_body_that_there_is_not_is_refused_with_those_there_are(tmp_path):
 def test_bodies_of_one_name_are_chosen_by_number(tmp_path):
     path = put(tmp_path, "part.3mf", plate_of(("Cube", PLATE), ("Cube", LID)))
     assert "holds 2 bodies of the name 'cube': choose one by its number" in refusal(path, body="cube")
+    assert "choose it with --body 1, or join them" in refusal(path)
     assert volume_of(path, body=1) == pytest.approx(16000)
 
 
@@ -310,6 +312,28 @@ def test_equal_copies_are_read_as_one(tmp_path):
     part = read(put(tmp_path, "part.3mf", package(model(thing(1, mesh(PLATE)), "".join(items)))))
     assert part.mesh.volume == pytest.approx(16000)
     assert part.notes[-1] == "read one of 5 equal copies"
+
+
+@pytest.mark.parametrize("gap", [0.0, 1e-5, 0.01, 0.09])
+def test_equal_blocks_that_a_slicer_prints_as_one_are_one_part(tmp_path, gap):
+    """Red before: a bar of two blocks was read as one of two copies, half of it."""
+    block = trimesh.creation.box((30.0, 20.0, 10.0))
+    other = block.copy()
+    other.apply_translation((30.0 + gap, 0.0, 0.0))
+    path = put(tmp_path, "bar.stl", trimesh.util.concatenate([block, other]).export(file_type="stl"))
+    part = read(path)
+    assert part.mesh.volume == pytest.approx(12000.0, rel=0.005)
+    assert not any("copies" in note for note in part.notes)
+
+
+@pytest.mark.parametrize("shift", [(30.0, 20.0, 0.0), (30.0, 20.0, 10.0), (30.02, 20.0, 0.0)])
+def test_equal_blocks_that_touch_in_an_edge_or_a_corner_are_no_copies(tmp_path, shift):
+    block = trimesh.creation.box((30.0, 20.0, 10.0))
+    other = block.copy()
+    other.apply_translation(shift)
+    path = put(tmp_path, "bar.stl", trimesh.util.concatenate([block, other]).export(file_type="stl"))
+    assert "holds 2 separate bodies" in refusal(path)
+    assert volume_of(path, body="2") == pytest.approx(6000.0)
 
 
 def test_a_body_of_a_broken_plate_is_read_all_the_same(tmp_path):
