@@ -64,7 +64,6 @@ NAMES = {
     "study page": "sources --json --note --out",
     "doctor": "--json",
     "weights": "",
-    "weights add": "folder --json --name",
     "weights fetch": "name --json",
     "weights list": "--json",
     "weights path": "name --json",

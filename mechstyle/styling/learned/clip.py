@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from contextlib import nullcontext
 from pathlib import Path
 
-import msgspec
 import torch
 from safetensors import safe_open
 from torch import nn
@@ -16,11 +16,17 @@ from transformers.activations import QuickGELUActivation
 from transformers.utils import logging
 
 from mechstyle.errors import BadInput
-from mechstyle.styling.learned.pretrained import BEGIN, END, Pretrained, opened
+from mechstyle.styling.learned.pretrained import CONFIG, MERGES, TOKENIZER, VOCABULARY, damaged, files_of, read_json
 
 MEAN = (0.48145466, 0.4578275, 0.40821073)
 DEVIATION = (0.26862954, 0.26130258, 0.27577711)
 """Of the pictures CLIP was trained on, per channel."""
+BEGIN, END, WORD_END = "<|startoftext|>", "<|endoftext|>", "</w>"
+FLOATS = ("F64", "F32", "F16", "BF16")
+SIZES = ("projection_dim", "text_config", "vision_config", "text_config_dict", "vision_config_dict")
+"""What is read of config.json."""
+MOST_LAYERS, LARGEST_PICTURE = 128, 4096
+"""Layers of a transformer, and the side of what it looks at [pixels]; the largest of the published CLIPs have 48 and 378."""
 STEEPNESS = 1.702
 """CLIP's quick GELU of x is silu(1.702 x) / 1.702."""
 _ATTENTION = [SDPBackend.EFFICIENT_ATTENTION, SDPBackend.MATH]  # on a GPU: the fastest whose gradients are repeatable
@@ -58,23 +64,26 @@ class Clip:
         Raises:
             BadInput: If they cannot be read.
         """
-        found = opened(folder)
+        files = files_of(folder)
         shown = logging.is_progress_bar_enabled()
         logging.disable_progress_bar()
         try:
-            tensors: dict[str, torch.Tensor] = {}
-            for name in sorted(set(found.tensors.values())):
-                with safe_open(found.folder / name, framework="pt") as file:
-                    tensors |= {tensor: file.get_tensor(tensor).float() for tensor, place in found.tensors.items() if place == name}
-            for tensor, values in tensors.items():
-                if not values.isfinite().all():
-                    place = found.folder / found.tensors[tensor]
-                    raise BadInput(f"the tensor {tensor} in {place} holds what is no number: get the folder again")
-            model = CLIPModel.from_pretrained(None, config=_config(found), state_dict=tensors, dtype=torch.float32)
+            vocabulary, merges = _words(folder, files)
+            tokenizer = CLIPTokenizer(vocabulary, merges)
+            config = _config(folder, vocabulary)
+            _check_tensors(folder, files, config)
+            model = CLIPModel.from_pretrained(folder, config=config, local_files_only=True, use_safetensors=True, dtype=torch.float32)
+        except BadInput:
+            raise
+        except Exception as error:  # whatever the libraries say of what somebody else wrote
+            raise damaged(folder, error) from error
         finally:
             if shown:
                 logging.enable_progress_bar()
-        return cls(model, CLIPTokenizer(found.words.vocabulary, found.words.merges), device)
+        for tensor, values in model.state_dict().items():
+            if not values.isfinite().all():
+                raise BadInput(f"the tensor {tensor} in {folder} holds what is no number: get the folder again")
+        return cls(model, tokenizer, device)
 
     def text(self, prompt: str) -> torch.Tensor:
         """Embedding of a prompt, not normalised, shape [text_size]."""
@@ -98,11 +107,45 @@ class Clip:
         return self._model.visual_projection(pooled).float()
 
 
-def _config(found: Pretrained) -> CLIPConfig:
-    """Its sizes, and the end of a prompt as its own tokenizer numbers it: what config.json says of that changed between versions."""
-    text, vision = msgspec.structs.asdict(found.config.text), msgspec.structs.asdict(found.config.vision)
-    ends = {"bos_token_id": found.words.vocabulary[BEGIN], "eos_token_id": found.words.vocabulary[END]}
-    return CLIPConfig(text_config={**text, **ends}, vision_config=vision, projection_dim=found.config.projection_dim)
+def _words(folder: Path, files: Sequence[str]) -> tuple[dict[str, int], list[tuple[str, ...]]]:
+    """How a prompt becomes numbers: the number of every token, and the pairs of tokens that become one (Sennrich et al. 2016)."""
+    if VOCABULARY in files:
+        lines = (folder / MERGES).read_text("utf-8").splitlines()
+        return read_json(folder, VOCABULARY), [tuple(line.split(" ")) for line in lines if line and not line.startswith("#version")]
+    model = read_json(folder, TOKENIZER)["model"]
+    if (model["type"], model["end_of_word_suffix"]) != ("BPE", WORD_END):
+        raise damaged(folder / TOKENIZER, f"CLIP's words end in {WORD_END!r}")
+    return model["vocab"], [tuple(merge.split(" ") if isinstance(merge, str) else merge) for merge in model["merges"]]
+
+
+def _config(folder: Path, vocabulary: Mapping[str, int]) -> CLIPConfig:
+    """Sizes of the CLIP of a folder, with the ends of a prompt as its tokenizer numbers them: versions disagree on those in config.json."""
+    given = read_json(folder, CONFIG)
+    if given.get("model_type") != "clip":
+        raise damaged(folder / CONFIG, f"it is of a {given.get('model_type')!r} model, not of a 'clip'")
+    config = CLIPConfig(**{key: given[key] for key in SIZES if key in given})
+    config.text_config.bos_token_id, config.text_config.eos_token_id = vocabulary[BEGIN], vocabulary[END]
+    if not 0 <= min(vocabulary.values()) <= max(vocabulary.values()) < config.text_config.vocab_size:
+        raise damaged(folder, "its tokenizer is of another model")
+    layers, side = max(config.text_config.num_hidden_layers, config.vision_config.num_hidden_layers), config.vision_config.image_size
+    if layers > MOST_LAYERS or not 1 <= side <= LARGEST_PICTURE:
+        raise damaged(folder / CONFIG, f"no CLIP has {layers} layers and reads pictures of {side} pixels")
+    return config
+
+
+def _check_tensors(folder: Path, files: Sequence[str], config: CLIPConfig) -> None:
+    """Refuse files that hold other tensors than a config asks for, before anything is allocated: what is missing is never made up."""
+    with torch.device("meta"):
+        asked = {name: tuple(value.shape) for name, value in CLIPModel(config).state_dict().items()}
+    there: dict[str, tuple[int, ...]] = {}
+    for name in files:
+        if name.endswith(".safetensors"):
+            with safe_open(folder / name, framework="pt") as file:
+                slices = {tensor: file.get_slice(tensor) for tensor in file.keys()}  # noqa: SIM118 — it is no dictionary
+                there |= {tensor: tuple(part.get_shape()) for tensor, part in slices.items() if part.get_dtype() in FLOATS}
+    odd = next((name for name in [*asked, *there] if asked.get(name) != there.get(name)), None)
+    if odd is not None:
+        raise damaged(folder, f"the tensor {odd} has the shape {there.get(odd)}, but {CONFIG} asks for {asked.get(odd)}")
 
 
 class Patches(nn.Module):

@@ -1,4 +1,4 @@
-"""CLIP weights: fetched or added once on request, kept with their checksums, verified whenever they are used.
+"""CLIP weights: fetched once on request, kept with their checksums, verified whenever they are used.
 
 A folder of one's own, as transformers saves it, may also be used where it is; $MECHSTYLE_CLIP names one for every run.
 """
@@ -16,9 +16,9 @@ from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
-from mechstyle._files import file_stem, write_whole
+from mechstyle._files import write_whole
 from mechstyle.errors import BadInput, MissingPiece, unknown
-from mechstyle.styling.learned.pretrained import CONFIG, MERGES, VOCABULARY, WHOLE, opened
+from mechstyle.styling.learned.pretrained import CONFIG, MERGES, VOCABULARY, WHOLE, files_of
 
 DEFAULT = "ViT-B-32"
 KNOWN = {
@@ -55,7 +55,7 @@ def located(wanted: str, store: Path) -> Weights:
 
     Args:
         wanted: `NAME`, a folder, `NAME@DIGEST` or "".
-        store: Folder of fetched and added weights.
+        store: Folder of fetched weights.
 
     Raises:
         MissingPiece: If they are not on this machine.
@@ -64,19 +64,12 @@ def located(wanted: str, store: Path) -> Weights:
     recorded = IDENTITY.fullmatch(wanted)
     if recorded:
         name, digest = recorded.groups()
-        own, place = os.environ.get(OWN_FOLDER, ""), store / PLACES / digest
-        here = [folder for folder in stored(store) if hashlib.sha256((folder / SUMS).read_bytes()).hexdigest() == digest]
-        here += [Path(place.read_text())] if place.is_file() else []
-        others = [Path(own)] if own else [folder for folder in stored(store) if folder.name == name]
-        for folder in (*here, *others):
+        place, own = store / PLACES / digest, os.environ.get(OWN_FOLDER, "")
+        here = [Path(place.read_text()) if place.is_file() else store / name, Path(own) if own else store / name]
+        for folder in here:
             if folder.is_dir() and verified(folder).digest == digest:
-                return Weights(folder, f"{name}@{digest}")
-        if others:
-            raise BadInput(
-                f"this run was made with the CLIP weights {name}@{digest}, but {others[0]} holds {verified(others[0]).identity}: "
-                f"name the right folder with --clip or ${OWN_FOLDER}"
-            )
-        raise _missing(name)
+                return Weights(folder, wanted)
+        raise _missing(name, f" {wanted}, with which this run was made,")
     found = verified(_asked_for(wanted, store))
     if found.folder.parent != store:
         write_whole(store / PLACES / found.digest, str(found.folder.resolve()).encode())
@@ -100,24 +93,23 @@ def _asked_for(wanted: str, store: Path) -> Path:
     raise _missing(name)
 
 
-def _missing(name: str) -> MissingPiece:
-    once = f"fetch them once with `mechstyle weights fetch {name}`" if name in KNOWN else "add their folder with `mechstyle weights add`"
+def _missing(name: str, which: str = "") -> MissingPiece:
+    once = f"fetch them once with `mechstyle weights fetch {name}`, " if name in KNOWN else ""
     return MissingPiece(
-        f"the CLIP weights {name!r} are not on this machine: {once}, name their folder with --clip, "
+        f"the CLIP weights{which or f' {name!r}'} are not on this machine: {once}name their folder with --clip or ${OWN_FOLDER}, "
         "or take a style that needs none (guidance 'offline', see `mechstyle styles`)"
     )
 
 
 def verified(folder: Path) -> Weights:
-    """A folder that holds a whole CLIP; one of the store, besides, the very files that were fetched or added."""
+    """A folder with the files of a CLIP; one of the store, besides, with the very files that were fetched."""
     kept = folder / SUMS
     if kept.is_file():
-        again = f"run `mechstyle weights fetch {folder.name}` again" if folder.name in KNOWN else "remove the folder and add it again"
         for line in kept.read_text(errors="replace").splitlines():
             digest, _, name = line.partition("  ")
             if (folder / name).is_file() and _sha256(folder / name) != digest:
-                raise BadInput(f"{folder / name} is not the file listed in its {SUMS}: {again}")
-    found = listing(folder, opened(folder).files)
+                raise BadInput(f"{folder / name} is not the file listed in its {SUMS}: run `mechstyle weights fetch {folder.name}` again")
+    found = listing(folder, files_of(folder))
     return Weights(folder, f"{folder.resolve().name}@{hashlib.sha256(found.encode()).hexdigest()}")
 
 
@@ -139,24 +131,8 @@ def _sha256_of_version(path: Path, _size: int, _changed: int) -> str:
 
 
 def stored(store: Path) -> list[Path]:
-    """Folders of fetched and added weights, by name."""
+    """Folders of fetched weights, by name."""
     return sorted(path.parent for path in store.glob(f"*/{SUMS}"))
-
-
-def add(folder: Path, store: Path, name: str = "") -> Weights:
-    """Copy weights into the store, so that they are found by name; BadInput if they are no whole CLIP, or others have that name."""
-    found = verified(folder)
-    name = file_stem(name or folder.resolve().name)
-    there = store / name
-    if there in stored(store):
-        if verified(there).digest != found.digest:
-            raise BadInput(f"other CLIP weights are called {name!r} already: give these another name with --name")
-        return verified(there)
-    files, aside = opened(folder).files, _aside(there)
-    shutil.rmtree(aside)  # of an interrupted fetch or another folder of that name
-    for file in files:
-        shutil.copyfile(folder / file, _aside(there) / file)
-    return _kept(aside, there, files)
 
 
 def fetch(name: str, store: Path, download: Download | None = None) -> Weights:
@@ -172,24 +148,14 @@ def fetch(name: str, store: Path, download: Download | None = None) -> Weights:
     if folder in stored(store):
         with suppress(BadInput):
             return verified(folder)
-    aside = _aside(folder)
+    aside = folder.with_name(f"{name}.part")  # where they are put together before they appear whole
+    aside.mkdir(parents=True, exist_ok=True)
     for file in FILES:
         published = (download or _from_hub)(KNOWN[name], file, aside)
         if published and _sha256(aside / file) != published:
             (aside / file).unlink()
             raise BadInput(f"{file} of {KNOWN[name]} arrived damaged: fetch it again")
-    return _kept(aside, folder, FILES)
-
-
-def _aside(folder: Path) -> Path:
-    """Where weights are put together before they appear whole."""
-    aside = folder.with_name(f"{folder.name}.part")
-    aside.mkdir(parents=True, exist_ok=True)
-    return aside
-
-
-def _kept(aside: Path, folder: Path, files: Sequence[str]) -> Weights:
-    (aside / SUMS).write_text(listing(aside, files))
+    (aside / SUMS).write_text(listing(aside, FILES))
     shutil.rmtree(folder, ignore_errors=True)
     aside.rename(folder)
     return verified(folder)
@@ -201,21 +167,20 @@ def _from_hub(repository: str, file: str, folder: Path) -> str:
 
     hub = HfApi()
     try:
-        revision, path = "main", ""
+        revision = "main"
         about: object = None
         if not hub.file_exists(repository, file):  # the hub keeps its own conversion to safetensors as a pull request
             proposals = hub.get_repo_discussions(repository, author="SFconvertbot", discussion_type="pull_request")
             revisions = (each.git_reference for each in proposals if each.git_reference)
             revision = next((one for one in revisions if hub.file_exists(repository, file, revision=one)), "")
         if revision:
-            path = hf_hub_download(repository, file, revision=revision, local_dir=folder)
+            hf_hub_download(repository, file, revision=revision, local_dir=folder)
             (about,) = hub.get_paths_info(repository, [file], revision=revision)
     except Exception as error:  # what a lost connection raises depends on the HTTP library that the hub's client uses
         reason = (str(error).strip().splitlines() or [type(error).__name__])[0]
         raise MissingPiece(f"{file} of {repository} could not be fetched ({reason}): check the connection and try again") from error
     if not revision:
         raise MissingPiece(f"{repository} has no {file}, and no other kind of file is read: name a folder of your own with --clip")
-    assert Path(path) == folder / file
     large = getattr(about, "lfs", None)
     return large.sha256 if large is not None else ""
 
