@@ -4,6 +4,7 @@ import inspect
 import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import typer
@@ -93,16 +94,16 @@ def _in_code(names: str) -> str:
 def names(*_: object) -> str:
     """Every public name with its docstring, the front row first."""
     materials = ", ".join(f"`{name}`" for name in mechstyle.LIBRARY)
-    front = [*_documented("mechstyle", mechstyle.__all__), f"## Materials\n\n`ms.LIBRARY` holds materials by name: {materials}."]
+    front = [*_documented(mechstyle), f"## Materials\n\n`ms.LIBRARY` holds materials by name: {materials}."]
     second = "## The second row\n\n`ms.lab` has names for studies, plug-ins and teaching."
-    return "\n\n".join([*front, second, *_documented("mechstyle.lab", mechstyle.lab.__all__, "### ")])
+    return "\n\n".join([*front, second, *_documented(mechstyle.lab, "### ")])
 
 
-def _documented(module: str, found: list[str], level: str = "## ") -> list[str]:
+def _documented(module: ModuleType, level: str = "## ") -> list[str]:
     kinds: dict[str, list[str]] = {kind: [] for kind in DIRECTIVES}
-    for name in found:
+    for name in module.__all__:
         if name not in {"LIBRARY", "lab"}:
-            kinds[_kind(getattr(mechstyle, name))].append(f"{module}.{name}")
+            kinds[_kind(getattr(module, name))].append(f"{module.__name__}.{name}")
     return [f"{level}{kind}\n\n```{{eval-rst}}\n{_directives(kind, its)}\n```" for kind, its in kinds.items() if its]
 
 
