@@ -6,11 +6,12 @@ BIN := .venv/bin
 NOTEBOOKS ?= cache
 PINS := pyproject.toml constraints.txt
 TESTS := $(BIN)/python -m pytest -n 2 --durations=40
+QUICK := -m 'not slow and not browser' --ignore=tests/browser --ignore=tests/cli --ignore=tests/notebooks
 # Two test workers share the cores; a thread pool in each would only make them wait for each other.
 export OMP_NUM_THREADS ?= 1
 export PIP_DISABLE_PIP_VERSION_CHECK = 1
 
-.PHONY: help demo test test-trust fuzz lab docs pictures lint mutants bench bench-widgets clean
+.PHONY: help demo quick test test-trust fuzz lab docs pictures lint mutants bench bench-widgets clean
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
 
@@ -19,6 +20,10 @@ help: ## list these targets
 
 demo: .venv/core.stamp ## stylize a chess pawn as brick, drop it, write demo-out/
 	$(BIN)/mechstyle demo --out demo-out
+
+quick: .venv/dev.stamp ## tests without browser, notebooks, command line and what is slow: while you work
+	$(BIN)/ruff check --quiet .
+	$(TESTS) $(QUICK)
 
 # mypy takes one core for a minute, and is done long before the tests are: both run, and both must pass.
 test: .venv/dev.stamp ## everything that must pass: lint, types, import directions, all tests
@@ -33,7 +38,7 @@ test-trust: .venv/dev.stamp ## kill 155 runs at seeded moments and compare what 
 fuzz: .venv/dev.stamp ## read 10 000 damaged and hostile files and command lines
 	$(BIN)/python benchmarks/fuzz.py
 
-lab: .venv/dev.stamp ## open the notebooks in JupyterLab
+lab: .venv/lab.stamp ## open the notebooks in JupyterLab; installs what a lesson needs and no more
 	$(BIN)/jupyter lab --notebook-dir=notebooks
 
 docs: .venv/docs.stamp ## build/site/index.html, with all notebooks executed; NOTEBOOKS=off shows them as they are stored
@@ -73,14 +78,18 @@ clean: ## remove .venv, caches and demo-out/ (your runs stay)
 	@$(PYTHON) -c 'import ensurepip, venv' 2>/dev/null || { echo "Python's venv module is missing: install it (Debian: apt-get install python3-venv) and run make again."; exit 1; }
 	$(PYTHON) -m venv .venv
 
-# The development install contains the core install, so it renews both stamps; a renewed core leaves dev to renew itself when asked for.
+# A larger install contains the smaller ones, so it renews their stamps; a renewed smaller one leaves the larger to renew itself when asked for.
 .venv/core.stamp: $(PINS) | .venv/bin/python
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable .
 	@touch $@
 
+.venv/lab.stamp: $(PINS) | .venv/bin/python
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[jupyter]'
+	@touch .venv/core.stamp $@
+
 .venv/dev.stamp: $(PINS) | .venv/bin/python
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[dev,jupyter,clip]'
-	@touch .venv/core.stamp $@
+	@touch .venv/core.stamp .venv/lab.stamp $@
 
 .venv/docs.stamp: .venv/dev.stamp
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[dev,jupyter,clip,docs]'

@@ -33,7 +33,7 @@ project = "MechStyle"
 release = version = mechstyle.__version__
 copyright = "MechStyle contributors, Apache-2.0"  # noqa: A001 — Sphinx calls it so
 root_doc = "docs/index"
-include_patterns = ["docs/*.md", "notebooks/**", "CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md"]
+include_patterns = ["docs/*.md", "notebooks/**", "CHANGELOG.md", "CONTRIBUTING.md", "CODE_OF_CONDUCT.md", "SECURITY.md"]
 exclude_patterns = ["build", ".*", "**/.*", "**/node_modules", "notebooks/slides"]
 extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx.ext.viewcode"]
 suppress_warnings = ["mystnb.unknown_mime_type"]  # figures to turn, beside which a picture is kept

@@ -3,9 +3,12 @@
 import ast
 import importlib
 import importlib.metadata
+import itertools
 import re
+import shutil
 import subprocess
 import sys
+import tarfile
 import tomllib
 from pathlib import Path
 
@@ -19,8 +22,23 @@ import mechstyle
 from support import ROOT
 
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())
-_GIT = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=True)
-TRACKED = [ROOT / line for line in _GIT.stdout.splitlines()]
+MADE = {".venv", ".git", "build", "dist", "__pycache__"}
+
+
+def tracked() -> list[Path]:
+    """Files under version control; of a source archive, which knows nothing of git, all that were not made here."""
+    if (ROOT / ".git").exists():
+        listed = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=True)
+        return [ROOT / line for line in listed.stdout.splitlines()]
+    made = re.compile(r".*(_cache|\.egg-info)|\.hypothesis")
+    return [
+        path
+        for path in ROOT.rglob("*")
+        if path.is_file() and not any(part in MADE or made.fullmatch(part) for part in path.relative_to(ROOT).parts)
+    ]
+
+
+TRACKED = tracked()
 SOURCES = [path for folder in ("mechstyle", "widgets", "benchmarks") for path in sorted((ROOT / folder).rglob("*.py"))]
 IMPORTS = re.compile(r"^(?:from|import) (mechstyle[\w.]*)", re.MULTILINE)
 HEAVY = {"lxml", "manifold3d", "matplotlib", "networkx", "pytetwild", "rich", "scipy", "trimesh", "typer", "warp"}
@@ -71,31 +89,11 @@ def test_the_layers_are_all_built_and_none_may_import_its_neighbours(contract):
         assert importlib.util.find_spec(f"{contract['containers'][0]}.{name}") is not None
 
 
-def rooms_of(package: Path) -> set[str]:
-    """Top-level entries of a package that hold code."""
-    return {path.stem for path in package.iterdir() if path.suffix == ".py" or (path / "__init__.py").is_file()}
-
-
-def arrows_of(package: Path) -> set[tuple[str, str]]:
-    """Pairs of different top-level entries of a package of which the first imports the second, wherever in the file."""
-    found = set()
-    for path in package.rglob("*.py"):
-        here = path.relative_to(package).parts[0].removesuffix(".py")
-        for node in ast.walk(ast.parse(path.read_text())):
-            if isinstance(node, ast.ImportFrom) and (node.module or "").split(".")[0] == package.name:
-                names = [f"{node.module}.{alias.name}" for alias in node.names]
-                found |= {(here, name.split(".")[1]) for name in names if name.split(".")[1] in rooms_of(package)}
-    return {(here, there) for here, there in found if here not in (there, "__init__")}
-
-
-def test_the_house_has_a_dozen_rooms_and_few_arrows_between_them():
-    """A thirteenth room, or an arrow more than a reader can follow, needs a reason in docs/design.md and another number here."""
+def test_every_room_has_its_row_on_the_map():
+    """A room that nobody can say a line about is one too many; which way rooms import is the contracts' business."""
+    rows = set(re.findall(r"`(\w+)`", "".join(re.findall(r"^\| (`.+?) \|", (ROOT / "docs" / "design.md").read_text(), re.MULTILINE))))
     rooms = {path.name for path in (ROOT / "mechstyle").iterdir() if (path / "__init__.py").is_file()}
-    assert "loop" in rooms
-    assert len(rooms) <= 12
-    assert 30 < len(arrows_of(ROOT / "mechstyle")) <= 100
-    assert len(rooms_of(ROOT / "widgets" / "mechstyle_widgets")) <= 10
-    assert len(LAYERS[0]["layers"]) <= 9
+    assert {"loop", "fea"} <= rooms <= rows
 
 
 def test_tests_stand_where_what_they_test_stands():
@@ -175,8 +173,7 @@ def test_all_is_exactly_what_is_exported(row):
     assert set(dir(row)) == {*row.__all__, *(["__version__"] if row is mechstyle else [])}
 
 
-def test_the_front_row_is_short_and_the_second_repeats_none_of_it():
-    assert len(mechstyle.__all__) <= 27
+def test_the_second_row_repeats_nothing_of_the_first():
     assert not set(mechstyle.__all__) & set(mechstyle.lab.__all__)
     with pytest.raises(AttributeError):
         mechstyle.Engine  # noqa: B018 — one name, one address
@@ -228,8 +225,21 @@ def test_the_readme_names_commands_options_and_functions_that_exist():
 
 
 def test_there_is_something_to_look_at():
-    assert len(SOURCES) > 40
-    assert len([path for path in TRACKED if path.name.startswith("test_")]) > 10
+    assert {ROOT / "mechstyle/loop/engine.py", ROOT / "widgets/mechstyle_widgets/__init__.py"} <= set(SOURCES)
+    assert {Path(__file__), ROOT / "README.md"} <= set(TRACKED)
+
+
+def test_the_source_archive_holds_all_that_is_here(tmp_path):
+    """Tests read pages, notebooks, benchmarks and one another's support: an archive without them cannot run its own."""
+    for path in TRACKED:
+        (tmp_path / "source" / path.relative_to(ROOT)).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(path, tmp_path / "source" / path.relative_to(ROOT))
+    build = f"from setuptools import build_meta; build_meta.build_sdist({str(tmp_path)!r})"
+    subprocess.run([sys.executable, "-c", build], cwd=tmp_path / "source", capture_output=True, check=True)
+    (archive,) = tmp_path.glob("*.tar.gz")
+    with tarfile.open(archive) as opened:
+        names = {name.partition("/")[2] for name in opened.getnames()}
+    assert {named(path) for path in TRACKED} - names == set()
 
 
 def test_functions_stay_readable_and_no_exception_is_swallowed_unnamed():
@@ -273,11 +283,12 @@ PINS = {canonicalize_name(name): version for name, version in (line.split("==") 
 
 
 def test_every_dependency_is_pinned_within_what_the_package_asks_for():
+    """What users install has floors and ranges; the one version of each that the tests passed with stands in constraints.txt."""
     assert sorted(PINNED) == PINNED
-    extras = PROJECT["project"]["optional-dependencies"]
-    for text in [*PROJECT["project"]["dependencies"], *extras["dev"], *extras["jupyter"], *extras["docs"], "torch==2.13.0"]:
+    for text in [*PROJECT["project"]["dependencies"], *itertools.chain(*PROJECT["project"]["optional-dependencies"].values())]:
         needed = Requirement(text)
         assert needed.specifier.contains(PINS[canonicalize_name(needed.name)]), text
+        assert {">="} <= {one.operator for one in needed.specifier} <= {">=", "<"}, text
 
 
 def test_what_is_pinned_installs_on_the_oldest_python_that_is_promised():
