@@ -11,7 +11,7 @@ from mechstyle.fea.loading import TILTED, tilted
 from mechstyle.fea.statics import BEYOND, StaticTest
 from mechstyle.records.load_cases import Load, LoadCase, Patch, Support
 from mechstyle.records.mesh import TetMesh
-from validation.meshes import box, carved
+from validation.meshes import box, grooved_bar, necked_bar
 
 NEVER = 1e6
 """A tolerance that only what gives way exceeds [mm]."""
@@ -23,11 +23,6 @@ def loaded(tets, material, force, tolerance=0.2, **options):
     clamped, end = Patch(plane=(low, 0, 0, -1, 0, 0)), Patch(plane=(high, 0, 0, 1, 0, 0))
     case = LoadCase(name="load", supports=(Support(at=clamped),), loads=(Load(at=end, force=force),))
     return StaticTest(tets, (case,)).loaded(tets, material, tolerance=tolerance, **options)["load"]
-
-
-def steps(*spans):
-    """Coordinates of cells along spans of (start, end, cells) [mm]."""
-    return np.unique(np.concatenate([np.linspace(start, end, cells + 1) for start, end, cells in spans]))
 
 
 @pytest.fixture(scope="module")
@@ -66,11 +61,7 @@ def test_a_cantilever_bears_its_plastic_moment(beam, perfect):
 
 def test_a_grooved_bar_collapses_where_calculix_says(perfect):
     """8 x 8 mm, 2 mm deep all round: CalculiX with perfect plasticity levels off at 52 N, on a coarse mesh."""
-    across = steps((0, 2, 1), (2, 6, 3), (6, 8, 1))
-    bar = carved(
-        steps((0, 12, 4), (12, 13.4, 2), (13.4, 32, 5)), across, across,
-        lambda x, y, z: ~((x > 12) & (x < 13.4) & ((y < 2) | (y > 6) | (z < 2) | (z > 6))),
-    )  # fmt: skip
+    bar = grooved_bar()
     found = loaded(bar, perfect, (0.0, 0.0, -52.0), NEVER)
     assert found.factor == pytest.approx(1.0, abs=0.1)
     assert loaded(bar, perfect, (0.0, 0.0, -80.0)).collapses
@@ -79,12 +70,7 @@ def test_a_grooved_bar_collapses_where_calculix_says(perfect):
 @pytest.mark.parametrize(("hardening", "bears"), [(1.0, 1095.0), (35.0, 1175.0)])
 def test_a_neck_bears_no_more_than_the_most_that_calculix_finds(pla, hardening, bears):
     """4 x 4 x 1 mm between blocks, pulled, with large displacements: it becomes thinner. Small displacements promise 1375 N."""
-    across = steps((0, 3, 1), (3, 7, 3), (7, 10, 1))
-    neck = carved(
-        steps((0, 5, 2), (5, 6, 2), (6, 11, 2)), across, across,
-        lambda x, y, z: (x < 5) | (x > 6) | ((np.abs(y - 5) < 2) & (np.abs(z - 5) < 2)),
-    )  # fmt: skip
-    found = loaded(neck, msgspec.structs.replace(pla, hardening=hardening), (1375.0, 0.0, 0.0), NEVER)
+    found = loaded(necked_bar(), msgspec.structs.replace(pla, hardening=hardening), (1375.0, 0.0, 0.0), NEVER)
     assert 1375.0 * found.factor == pytest.approx(bears, rel=0.05)
     assert found.collapses
     assert found.maximum < 1.5 * pla.yield_strength

@@ -10,7 +10,7 @@ import pytest
 from validation import calculix, suite
 
 MAY_SKIP = {"devices": "no CUDA device", "instructions": "not for "}
-WITH_CALCULIX = {"cantilever", "bar_calculix"}
+WITH_CALCULIX = {"cantilever", "bar_calculix", "neck"}
 
 
 def quick(module: ModuleType) -> list[str]:

@@ -28,6 +28,8 @@ PENALTY, NO_FORCE = 1e5, 1e-3
 stress beside the contact; with four times as much the force rings faster than FRAMES can follow."""
 FRAMES = 120
 """Moments of a landing that are printed, about."""
+INCREMENT = 0.05
+"""Largest share of a way that is gone at a time."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,7 +76,9 @@ def static(mesh: ElementMesh, material: Material, fixed: NDArray[np.bool_], forc
     return _run(mesh, material, {"FIXED": fixed}, step)
 
 
-def impact(mesh: ElementMesh, material: Material, held: NDArray[np.bool_], speed: float, window: float, step: float) -> Answer:
+def impact(
+    mesh: ElementMesh, material: Material, held: NDArray[np.bool_], speed: float, window: float, step: float, *, plastic: bool = False
+) -> Answer:
     """Explicit dynamics of a body that moves down the z-axis while the given nodes cannot.
 
     Args:
@@ -84,11 +88,32 @@ def impact(mesh: ElementMesh, material: Material, held: NDArray[np.bool_], speed
         speed: Initial speed [mm/ms].
         window: Simulated time [ms].
         step: Time step [ms].
+        plastic: Whether the material flows where it reaches its yield strength.
     """
     velocity = -speed / SECONDS_PER_MILLISECOND
     times = f"{step * SECONDS_PER_MILLISECOND:.6e},{window * SECONDS_PER_MILLISECOND:.6e}"
     start = f"*INITIAL CONDITIONS,TYPE=VELOCITY\nNALL,3,{velocity:.6f}\n*BOUNDARY\nHELD,3,3\n"
-    return _run(mesh, material, {"HELD": held}, f"{start}*STEP,INC=10000000,NLGEOM\n*DYNAMIC,EXPLICIT\n{times}\n")
+    return _run(mesh, material, {"HELD": held}, f"{start}*STEP,INC=10000000,NLGEOM\n*DYNAMIC,EXPLICIT\n{times}\n", plastic=plastic)
+
+
+def most_force(mesh: ElementMesh, material: Material, held: NDArray[np.bool_], moved: NDArray[np.bool_], way: Floats) -> float:
+    """Largest force [N] along the way on which some nodes are moved while others are held in all directions, with large displacements.
+
+    Args:
+        mesh: The body [mm].
+        material: Its material, which flows where it reaches its yield strength.
+        held: Nodes that are held, shape [node_count].
+        moved: Nodes that are moved, along one axis, free along the others, shape [node_count].
+        way: How far they are moved in the end [mm], shape [3], zero along all axes but one.
+    """
+    axis = int(np.flatnonzero(way)[0])
+    step = f"*BOUNDARY\nHELD,1,3\n*STEP,INC=1000,NLGEOM\n*STATIC\n{INCREMENT},1.,1e-6,{INCREMENT}\n"
+    step += f"*BOUNDARY\nMOVED,{axis + 1},{axis + 1},{way[axis]:.9e}\n"
+    prints = "*NODE PRINT,NSET=MOVED,TOTALS=ONLY\nRF\n*END STEP\n"
+    text, _ = _job(_model(mesh, material, {"HELD": held, "MOVED": moved}, plastic=True) + step + prints)
+    rows = [line.split() for line in text.splitlines()]
+    totals = [float(row[axis]) for row in rows if len(row) == 3]
+    return max(abs(total) for total in totals)
 
 
 def landing(mesh: ElementMesh, material: Material, speed: float, window: float, step: float) -> Landing:
@@ -119,10 +144,10 @@ def landing(mesh: ElementMesh, material: Material, speed: float, window: float, 
     return Landing(time, displacement, PENALTY * below.sum(axis=1), seconds)
 
 
-def _run(mesh: ElementMesh, material: Material, sets: Mapping[str, NDArray[np.bool_]], step: str) -> Answer:
+def _run(mesh: ElementMesh, material: Material, sets: Mapping[str, NDArray[np.bool_]], step: str, *, plastic: bool = False) -> Answer:
     """Write, run and read a job with one result at its end."""
     prints = "*NODE PRINT,NSET=NALL,FREQUENCY=1000000\nU\n*EL PRINT,ELSET=EALL,FREQUENCY=1000000\nS\n*END STEP\n"
-    text, seconds = _job(_model(mesh, material, sets) + step + prints)
+    text, seconds = _job(_model(mesh, material, sets, plastic=plastic) + step + prints)
     return Answer(*_read(text, mesh), seconds)
 
 
@@ -144,14 +169,17 @@ def _job(deck: str) -> tuple[str, float]:
         return Path(folder, "job.dat").read_text(), seconds
 
 
-def _model(mesh: ElementMesh, material: Material, sets: Mapping[str, NDArray[np.bool_]]) -> str:
-    """Nodes, elements, material and node sets."""
+def _model(mesh: ElementMesh, material: Material, sets: Mapping[str, NDArray[np.bool_]], *, plastic: bool = False) -> str:
+    """Nodes, elements, material and node sets; what hardens does so linearly in the plastic strain."""
     nodes = mesh.element.nodes
     lines = ["*NODE,NSET=NALL"]
     lines += [f"{number},{x:.12e},{y:.12e},{z:.12e}" for number, (x, y, z) in enumerate(mesh.nodes, start=1)]
     lines += [f"*ELEMENT,TYPE=C3D{nodes},ELSET=EALL"]
     lines += [f"{number},{','.join(map(str, row))}" for number, row in enumerate(mesh.connectivity[:, NODE_ORDER[nodes]] + 1, start=1)]
     lines += ["*MATERIAL,NAME=M", "*ELASTIC", f"{material.youngs_modulus:.12g},{material.poisson_ratio:.12g}"]
+    if plastic:
+        strength, far = material.yield_strength, 10.0
+        lines += ["*PLASTIC", f"{strength:.12g},0.", f"{strength + far * material.hardening:.12g},{far:g}"]
     lines += ["*DENSITY", f"{material.density * TONNES_PER_GRAM:.12e}", "*SOLID SECTION,ELSET=EALL,MATERIAL=M"]
     for name, chosen in sets.items():
         lines += [f"*NSET,NSET={name}", *(str(node + 1) for node in np.flatnonzero(chosen))]

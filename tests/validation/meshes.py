@@ -153,6 +153,39 @@ def round_bar(diameter: float, length: float, rings: int, along: int) -> TetMesh
     return square.moved(np.column_stack([square.vertices[:, 0], 0.5 * diameter * shell * side]))
 
 
+def upright_bar(radius: float, length: float, cells: int, along: int) -> TetMesh:
+    """A round bar that stands on z = 0, about the z-axis [mm].
+
+    Args:
+        radius: Of the bar [mm].
+        length: Of the bar [mm].
+        cells: Cells across the square that is bent into its section; even.
+        along: Cells along it.
+    """
+    across = np.linspace(-1.0, 1.0, cells + 1)
+    square = lattice(across, across, np.linspace(0.0, length, along + 1))
+    return _upright(square.moved(np.column_stack([radius * _shells(square.vertices[:, :2]), square.vertices[:, 2]])))
+
+
+def grooved_bar() -> TetMesh:
+    """A bar of 8 x 8 mm along x, 32 mm long, with a groove 1.4 mm wide and 2 mm deep all round, 12 mm from its end."""
+    across = spans((0.0, 2.0, 1), (2.0, 6.0, 3), (6.0, 8.0, 1))
+    along = spans((0.0, 12.0, 4), (12.0, 13.4, 2), (13.4, 32.0, 5))
+    return carved(along, across, across, lambda x, y, z: (x < 12.0) | (x > 13.4) | (np.maximum(np.abs(y - 4.0), np.abs(z - 4.0)) < 2.0))
+
+
+def necked_bar() -> TetMesh:
+    """Two blocks of 10 x 10 x 5 mm along x and a neck of 4 x 4 x 1 mm between them."""
+    across = spans((0.0, 3.0, 1), (3.0, 7.0, 3), (7.0, 10.0, 1))
+    along = spans((0.0, 5.0, 2), (5.0, 6.0, 2), (6.0, 11.0, 2))
+    return carved(along, across, across, lambda x, y, z: (x < 5.0) | (x > 6.0) | (np.maximum(np.abs(y - 5.0), np.abs(z - 5.0)) < 2.0))
+
+
+def spans(*each: tuple[float, float, int]) -> Floats:
+    """Coordinates of cells along spans of (start, end, cells) [mm]."""
+    return np.unique(np.concatenate([np.linspace(start, end, cells + 1) for start, end, cells in each]))
+
+
 def carved(x: Floats, y: Floats, z: Floats, keep: Callable[[Floats, Floats, Floats], NDArray[np.bool_]]) -> TetMesh:
     """Of a lattice between given coordinates [mm] the tetrahedra of cells whose middle is to be kept.
 

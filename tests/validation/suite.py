@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import platform
 import re
-from collections.abc import Iterable
+from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
 
+import msgspec
+
+from mechstyle._warp import wp
 from mechstyle.fea.explicit import cores
-from validation import impacts, statics
+from validation import impacts, statics, yielding
 from validation.cases import Case, Result
 
 CASES = {
@@ -21,6 +24,7 @@ CASES = {
         Case("plate", "A 2 mm plate one element thick against beam theory and finer meshes", statics.plate, slow=True),
         Case("cantilever", "A cantilever in CalculiX, C3D4 and C3D10", statics.cantilever),
         Case("bar", "Pressure under a bar that lands on its end: ρ c v", impacts.bar),
+        Case("rod", "Ansys VM265: a rod on a wall, when and how fast it leaves", impacts.rod),
         Case("bar_calculix", "The stress wave in a bar in CalculiX's explicit dynamics", impacts.bar_calculix, slow=True),
         Case(
             "contact",
@@ -30,6 +34,12 @@ CASES = {
         ),
         Case("contact_fine", "The same bracket in two layers", partial(impacts.bracket_of_calculix, "contact_fine", 2.0, 0.1), slow=True),
         Case("sphere", "A ball on the floor: Hertz's contact", impacts.sphere, slow=True),
+        Case("plastic_bar", "A bar that yields: the elastic-plastic wave", yielding.plastic_bar),
+        Case("taylor_copper", "Taylor's bar of copper at 227 m/s", yielding.taylor_copper),
+        Case("taylor_aluminium", "Taylor's bar of aluminium at 478 m/s in CalculiX", yielding.taylor_aluminium, slow=True),
+        Case("collapse", "Loads that a cantilever and a strut bear: plastic hinge and Euler", yielding.collapse),
+        Case("groove", "A grooved bar in CalculiX with plasticity", yielding.groove, slow=True),
+        Case("neck", "A neck in CalculiX with plasticity", yielding.neck, slow=True),
         Case("energy", "Energy balance of undamped drops", impacts.energy),
         Case("precision", "Single against double precision over an impact", impacts.precision),
         Case("instructions", "Another processor's instructions against this one's", impacts.instructions),
@@ -39,32 +49,67 @@ CASES = {
 """In their order on the page."""
 
 
-def write_page(path: Path, found: Iterable[tuple[Case, list[Result]]]) -> Path:
-    """The figures as a Markdown page that says what they were measured on."""
-    found = list(found)
+class Figures(msgspec.Struct, frozen=True):
+    """What a case came to, and on which machine."""
+
+    machine: str
+    results: list[Result]
+
+    @property
+    def ran(self) -> list[Result]:
+        """The figures that were measured."""
+        return [result for result in self.results if result.passed is not None]
+
+
+Found = Mapping[str, Figures]
+"""Figures of cases by their names."""
+
+
+def read(path: Path) -> Found:
+    """Figures that were measured before, here or on another machine; none where there is no file."""
+    return msgspec.json.decode(path.read_bytes(), type=dict[str, Figures]) if path.exists() else {}
+
+
+def write(path: Path, found: Found) -> Path:
+    """Keep figures in a file."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_bytes(msgspec.json.format(msgspec.json.encode(found)) + b"\n")
+    return path
+
+
+def merged(before: Found, after: Found) -> Found:
+    """All of them in the order of the page; the later ones count, unless they could not be run."""
+    new = {name: one for name, one in after.items() if one.ran or name not in before}
+    both = {**before, **new}
+    return {name: both[name] for name in CASES if name in both}
+
+
+def write_page(path: Path, found: Found) -> Path:
+    """The figures as a Markdown page that says what each was measured on."""
     lines = [
         "# Validation",
         "",
         "The simulation compared with theory, with CalculiX, with finer meshes and with other arithmetic.",
-        f"Written by `python benchmarks/validate.py --page` on {machine()}.",
+        "Written by `python benchmarks/validate.py --page`.",
         "",
         "| case | figures | passed | largest error over its limit |",
         "|---|---|---|---|",
-        *(_summary(case, results) for case, results in found),
+        *(_summary(CASES[name], one) for name, one in found.items()),
         "",
         "Below, errors are relative. A dash stands for a figure that is an error itself or was not run.",
     ]
-    for case, results in found:
-        fault = [case.fault, ""] if case.fault else []
-        lines += ["", f"## {case.title}", "", f"`python benchmarks/validate.py --case {case.name}`", "", *fault, *_table(results)]
+    for name, one in found.items():
+        case = CASES[name]
+        fault, command = [case.fault, ""] if case.fault else [], f"`python benchmarks/validate.py --case {name}`"
+        lines += ["", f"## {case.title}", "", f"{command} on {one.machine}.", "", *fault, *_table(one.results)]
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
     return path
 
 
-def _summary(case: Case, results: list[Result]) -> str:
+def _summary(case: Case, found: Figures) -> str:
     """A row on a case: its figures, how many passed, and how near the worst came to its limit."""
-    ran = [result for result in results if result.passed is not None]
+    ran = found.ran
     passed, place = sum(bool(result.passed) for result in ran), re.sub(r"[^\w\- ]", "", case.title.lower()).replace(" ", "-")
     worst = f"{max(result.error / result.limit if result.limit else result.error for result in ran):.2f}" if ran else "–"
     verdict = str(passed) if passed == len(ran) else f"{passed}, a known limit" if case.fault else f"**{passed}**"
@@ -73,7 +118,8 @@ def _summary(case: Case, results: list[Result]) -> str:
 
 def machine() -> str:
     """The machine the figures were measured on, in words, without its name."""
-    return f"{platform.system()} {platform.machine()}, {cores()} cores, Python {platform.python_version()}"
+    devices = "".join(f", {device.name}" for device in wp.get_cuda_devices()[:1])
+    return f"{platform.system()} {platform.machine()}, {cores()} cores{devices}, Python {platform.python_version()}"
 
 
 def _table(results: list[Result]) -> list[str]:
@@ -88,11 +134,11 @@ def _table(results: list[Result]) -> list[str]:
     return rows
 
 
-def draw(path: Path, found: Iterable[tuple[Case, list[Result]]]) -> Path:
+def draw(path: Path, found: Found) -> Path:
     """Error over limit of every figure on a logarithmic axis: what lies left of the line passes."""
     from matplotlib.figure import Figure  # noqa: PLC0415 - half a second, for pictures only
 
-    figures = [result for _, results in found for result in results if result.passed is not None]
+    figures = [result for one in found.values() for result in one.ran]
     shares = [max(result.error / result.limit, 1e-10) if result.limit else float(result.error > 0.0) + 1e-10 for result in figures]
     figure = Figure(figsize=(9.0, 0.9 + 0.22 * len(figures)), layout="constrained")
     axes = figure.add_subplot()

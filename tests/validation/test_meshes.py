@@ -3,7 +3,21 @@
 import numpy as np
 import pytest
 
-from validation.meshes import ball, box, bracket, carved, cup, open_ring, refined, roller, round_bar, square_cup
+from validation.meshes import (
+    ball,
+    box,
+    bracket,
+    carved,
+    cup,
+    grooved_bar,
+    necked_bar,
+    open_ring,
+    refined,
+    roller,
+    round_bar,
+    square_cup,
+    upright_bar,
+)
 
 
 def boundary_area(tets):
@@ -30,6 +44,9 @@ CUP["area"] = np.pi * (15.0**2 + 2 * 15.0 * 25.0 + (15.0**2 - 13.0**2) + 2 * 13.
         (bracket(20.0, 8.0, 4.0, 4.0), 8.0 * (20.0**2 - 16.0**2), 8.0 * 80.0 + 2 * (20.0**2 - 16.0**2), 1e-9),
         (open_ring(30.0, 30.0, 6.0, 60), 36.0 * 1.8 * np.pi * 30.0, 4 * 6.0 * 1.8 * np.pi * 30.0 + 2 * 36.0, 0.01),
         (round_bar(4.0, 40.0, 10, 20), np.pi * 4.0 * 40.0, 4.0 * np.pi * 40.0 + 8.0 * np.pi, 0.01),
+        (upright_bar(4.0, 40.0, 10, 20), np.pi * 16.0 * 40.0, 2.0 * np.pi * 16.0 + 8.0 * np.pi * 40.0, 0.01),
+        (grooved_bar(), 64.0 * 30.6 + 16.0 * 1.4, 128.0 + 32.0 * 30.6 + 16.0 * 1.4 + 96.0, 1e-9),
+        (necked_bar(), 1000.0 + 16.0, 400.0 + 400.0 - 32.0 + 16.0, 1e-9),
         (roller(8.0, 24.0, 12, 6, 4.0), np.pi * 64.0 * 24.0, 16.0 * np.pi * 24.0 + 128.0 * np.pi, 0.02),
         (cup(15.0, 25.0, 2.0), CUP["volume"], CUP["area"], 0.01),  # a face inside, where cells do not fit, would add to the area
     ],

@@ -5,11 +5,13 @@ import json
 import math
 import re
 
+import msgspec
 import pytest
 
 from support import ROOT
 from validation import calculix, suite
 from validation.cases import Case, bounded, compared
+from validation.suite import Figures, merged
 
 _SPEC = importlib.util.spec_from_file_location("validate", ROOT / "benchmarks/validate.py")
 RUNNER = importlib.util.module_from_spec(_SPEC)
@@ -25,9 +27,9 @@ def test_without_calculix_its_cases_say_so(monkeypatch):
 
 def test_the_runner_gives_figures_a_page_and_a_picture(tmp_path):
     assert RUNNER.main(["--case", "patch", "--case", "devices", "--json", str(tmp_path / "figures"), "--page", str(tmp_path)]) == 0
-    cases = json.loads((tmp_path / "figures").read_text())
-    assert {"case", "measured", "reference", "error", "limit", "passed"} <= set(cases[0])
-    assert cases[0]["passed"] is True
+    patch, devices = (json.loads((tmp_path / "figures").read_text())[name]["results"] for name in ("patch", "devices"))
+    assert {"case", "measured", "reference", "error", "limit", "passed"} <= set(patch[0])
+    assert (patch[0]["passed"], devices[0]["passed"]) == (True, None)
     page = (tmp_path / "validation.md").read_text()
     assert "patch" in page
     assert "passed" in page
@@ -54,7 +56,7 @@ def test_the_page_in_docs_has_every_case():
     page = ROOT.joinpath("docs/validation.md").read_text()
     assert re.findall(r"`python benchmarks/validate\.py --case (\w+)`", page) == list(suite.CASES)
     assert re.findall(r"^\| \[(.+?)\]\(#", page, re.MULTILINE) == [case.title for case in suite.CASES.values()]
-    sections = dict(re.findall(r"`python benchmarks/validate\.py --case (\w+)`\n(.*?)(?=\n## |\Z)", page, flags=re.DOTALL))
+    sections = dict(re.findall(r"`python benchmarks/validate\.py --case (\w+)` on (.*?)(?=\n## |\Z)", page, flags=re.DOTALL))
     for name, section in sections.items():
         fault = suite.CASES[name].fault
         assert fault in section
@@ -68,18 +70,19 @@ def test_every_quick_case_is_held_by_the_test_of_its_module():
         assert f"quick({module})" in (here / f"test_{module}.py").read_text(), f"no test runs the quick cases of {module}"
 
 
-def test_the_page_begins_with_how_many_figures_of_each_case_pass(tmp_path):
+def test_the_page_begins_with_how_many_figures_of_each_case_pass(tmp_path, monkeypatch):
     good, bad = compared("a: one", 1.02, 1.0, 0.04), bounded("a: two", 0.3, 0.1)
     missing = bounded("a: three", math.nan, 0.1)
     unasked = type(good)(case="a", measured=math.nan, reference=0.0, error=math.nan, limit=0.1, passed=None)
-    found = [
+    cases = (
         (Case("a", "A bar: ρ c v", list), [good]),
         (Case("b", "Another", list), [good, bad]),
         (Case("c", "A third", list, fault="Known."), [good, bad]),
         (Case("d", "A fourth", list), [unasked]),
         (Case("e", "A fifth", list), [missing]),
-    ]
-    page = suite.write_page(tmp_path / "page.md", iter(found)).read_text()
+    )
+    monkeypatch.setattr(suite, "CASES", {case.name: case for case, _ in cases})
+    page = suite.write_page(tmp_path / "page.md", {case.name: Figures("a machine", results) for case, results in cases}).read_text()
     assert [line for line in page.splitlines() if line.startswith("| [")] == [
         "| [A bar: ρ c v](#a-bar-ρ-c-v) | 1 | 1 | 0.50 |",
         "| [Another](#another) | 2 | **1** | 3.00 |",
@@ -88,3 +91,23 @@ def test_the_page_begins_with_how_many_figures_of_each_case_pass(tmp_path):
         "| [A fifth](#a-fifth) | 1 | **0** | nan |",
     ]
     assert "## Another" in page
+
+
+def of(error, passed=True):
+    """Figures of a case with one error; passed is None where it was not run."""
+    return Figures("a machine", [msgspec.structs.replace(bounded("a: one", error, 1.0), passed=passed)])
+
+
+def test_figures_measured_elsewhere_stay_where_a_case_cannot_be_run_here():
+    before, after = {"devices": of(0.1), "rod": of(0.2)}, {"devices": of(0.0, None), "rod": of(0.3), "patch": of(0.0, None)}
+    found = merged(before, after)
+    assert list(found) == [name for name in suite.CASES if name in found], "in the order of the page"
+    assert (found["devices"], found["rod"], found["patch"]) == (before["devices"], after["rod"], after["patch"])
+
+
+def test_what_another_machine_measured_is_taken_over_and_its_failures_count(tmp_path):
+    theirs = suite.write(tmp_path / "gpu.json", {"devices": of(0.1), "rod": of(2.0, passed=False)})
+    assert RUNNER.main(["--read", str(theirs), "--page", str(tmp_path)]) == 1
+    page = (tmp_path / "validation.md").read_text()
+    assert "--case devices` on a machine" in page
+    assert page.count("\n## ") == 2, "nothing else was measured"
