@@ -125,11 +125,17 @@ class Correction:
         return None
 
     def _lowered_as_a_whole(self, relief: Field, passed: Field | None) -> Generator[Try, Finding, Field | None]:
-        """One factor on all of the relief, as large as passes; None if none passes that keeps more than what is known to."""
-        low, high = 0.0 if passed is None else self.kept(passed) / max(self.kept(relief), 1e-9), 1.0
-        best: Field | None = None
+        """One factor on all of the relief, as large as passes; None if none passes that keeps more than what is known to.
+
+        Halved as by who tries nothing else, so that no less is kept even where less relief is no better; what keeps no more is not tested.
+        """
+        known = 0.0 if passed is None else self.kept(passed) / max(self.kept(relief), 1e-9)
+        low, high, best = 0.0, 1.0, None
         while high - low > NEAREST:
             factor = 0.5 * (low + high)
+            if factor <= known:
+                low = factor
+                continue
             lowered = relief * np.float32(factor) + np.float32(0.0)
             result = yield lowered, f"{factor:.0%} of the whole relief"
             if result.passes:
