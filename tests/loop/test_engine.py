@@ -188,7 +188,7 @@ def test_a_finished_relief_is_corrected_until_it_passes_and_keeps_no_less_than_b
 
 
 def test_the_run_ends_with_the_largest_relief_that_passed_not_with_the_last_one_tried(bench):
-    bench.gain = 80.0
+    bench.gain = 90.0
     engine = bench.engine(bench.recipe(schedule="never"))
     events = list(engine.run())
     tried = [event for event in events if isinstance(event, Simulated)]

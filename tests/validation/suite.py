@@ -37,7 +37,7 @@ CASES = {
         Case("plastic_bar", "A bar that yields: the elastic-plastic wave", yielding.plastic_bar),
         Case("taylor_copper", "Taylor's bar of copper at 227 m/s", yielding.taylor_copper),
         Case("taylor_aluminium", "Taylor's bar of aluminium at 478 m/s in CalculiX", yielding.taylor_aluminium, slow=True),
-        Case("collapse", "Loads that a cantilever and a strut bear: plastic hinge and Euler", yielding.collapse),
+        Case("collapse", "Loads that a cantilever and a strut carry: plastic hinge and Euler", yielding.collapse),
         Case("groove", "A grooved bar in CalculiX with plasticity", yielding.groove, slow=True),
         Case("neck", "A neck in CalculiX with plasticity", yielding.neck, slow=True),
         Case("energy", "Energy balance of undamped drops", impacts.energy),
