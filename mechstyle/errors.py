@@ -7,11 +7,25 @@ from collections.abc import Iterable
 
 
 class MechStyleError(Exception):
-    """Base of every error that is the input's or the machine's fault, not a defect of the program."""
+    """Base of every error that is the input's or the machine's fault, not a defect of the program.
+
+    Example:
+        >>> try:
+        ...     ms.load("no-such-part.stl")
+        ... except ms.MechStyleError as error:
+        ...     print(error)
+        no-such-part.stl does not exist; check the path
+    """
 
 
 class BadInput(MechStyleError):
-    """A file or a value that cannot be used as it is."""
+    """A file or a value that cannot be used as it is.
+
+    Example:
+        >>> ms.Sphere((0, 0, 0), -1)
+        Traceback (most recent call last):
+        mechstyle.errors.BadInput: a protected sphere must have a radius above zero, not -1 mm
+    """
 
 
 class MissingPiece(MechStyleError):

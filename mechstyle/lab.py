@@ -1,4 +1,9 @@
-"""The second row of public names, for studies, plug-ins and teaching: `ms.lab.plan`, `ms.lab.begin` and others."""
+"""The second row of public names, for studies, plug-ins and teaching: `ms.lab.plan`, `ms.lab.begin` and others.
+
+Example:
+    >>> ms.lab.material_named("PETG").density > ms.LIBRARY["PLA"].density
+    True
+"""
 
 from mechstyle._lazy import attached as _attached
 

@@ -105,6 +105,10 @@ def load(
 
     Raises:
         BadInput: If the file cannot be used or there is no such model, in one sentence that says why and what to do.
+
+    Example:
+        >>> ms.load("gallery:drawer_knob")
+        SurfaceMesh(9650 vertices, 19296 faces, 34.0 x 34.0 x 28.0 mm)
     """
     from mechstyle.errors import BadInput  # noqa: PLC0415 — rooms load nothing by themselves
     from mechstyle.geometry.files import read  # noqa: PLC0415

@@ -222,7 +222,14 @@ class Styles:
 
 
 def styles() -> Styles:
-    """The offline styles; as the last expression of a notebook cell they are shown with pictures, which takes seconds the first time."""
+    """The offline styles; as the last expression of a notebook cell they are shown with pictures, which takes seconds the first time.
+
+    Example:
+        >>> ms.styles()
+        art_deco       overlapping fans of golden rays on black
+        bamboo         upright green canes side by side, with rings at their joints
+        ...
+    """
     return Styles(tuple(library().values()))
 
 

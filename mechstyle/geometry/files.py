@@ -374,6 +374,11 @@ def save(mesh: SurfaceMesh, path: str | Path, *, name: str = "", fields: Mapping
 
     Raises:
         BadInput: If the suffix is not one of FORMATS, cannot hold fields, or the place cannot be written to.
+
+    Example:
+        >>> path = ms.save(ms.load("gallery:drawer_knob"), "knob.stl")
+        >>> ms.load(path).faces.shape
+        (19296, 3)
     """
     file = Path(path)
     suffix = file.suffix.lower().lstrip(".")

@@ -104,6 +104,10 @@ class Support(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     Attributes:
         at: The place; a Box, Sphere or HalfSpace becomes the patch of that shape.
         kind: `fixed`, or `roller`: free to slide along the surface, held across it.
+
+    Example:
+        >>> ms.Support(at=ms.Box((-9, -9, -1), (9, 9, 1))).kind
+        'fixed'
     """
 
     at: Place
@@ -123,6 +127,10 @@ class Load(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
         pressure: Pressure into the surface [MPa].
         gravity: The part's own weight, as a multiple of standard gravity.
         direction: Where gravity points; any length.
+
+    Example:
+        >>> ms.Load(at=ms.Sphere((0, 0, 40), 10), force=20, direction=(0, 0, -1)).force
+        20
     """
 
     at: Place | None = None
@@ -155,6 +163,12 @@ class LoadCase(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
         name: What people call it, "hand on the rim".
         supports: Where the part is held.
         loads: What acts on it.
+
+    Example:
+        >>> foot, top = ms.Box((-9, -9, -1), (9, 9, 1)), ms.Box((-9, -9, 30), (9, 9, 50))
+        >>> case = ms.LoadCase(name="a hand", supports=(ms.Support(at=foot),), loads=(ms.Load(at=top, force=50, direction=(0, 0, -1)),))
+        >>> case.name
+        'a hand'
     """
 
     name: str

@@ -1,4 +1,9 @@
-"""Printable materials: what the drop test needs to know of them, and where the figures come from."""
+"""Printable materials: what the drop test needs to know of them, and where the figures come from.
+
+Example:
+    >>> ms.LIBRARY["PLA"].yield_strength
+    45.6
+"""
 
 from __future__ import annotations
 
@@ -121,6 +126,11 @@ class Material(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
         yielding_source: Where hardening and elongation come from.
         layer_ratio: Strength across printed layers over strength along them; None where no source states both.
         layer_source: Where that ratio comes from.
+
+    Example:
+        >>> brand = ms.Material(name="my PLA", youngs_modulus=3300.0, poisson_ratio=0.36, density=1.24e-3, yield_strength=52.0)
+        >>> brand.label
+        'my PLA'
     """
 
     name: str

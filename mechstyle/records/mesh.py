@@ -54,6 +54,11 @@ class SurfaceMesh:
         vertices: Positions [mm], shape [vertex_count, 3], float64.
         faces: Vertex indices, anticlockwise seen from outside, shape [face_count, 3], int32.
         colours: Display RGB in [0, 1], shape [vertex_count, 3], float32, or None for an uncoloured part.
+
+    Example:
+        >>> corner = ms.SurfaceMesh([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+        >>> corner.faces.shape
+        (4, 3)
     """
 
     vertices: Floats

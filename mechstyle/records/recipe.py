@@ -306,6 +306,10 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
         schedule: How long the style grows, and when it is simulated meanwhile.
         test: What the part must survive, of which material and meshes.
         delivery: What a printer can make of the part.
+
+    Example:
+        >>> ms.Recipe.of(prompt="brick", material=ms.LIBRARY["PLA"], height=1000.0).test.height
+        1000.0
     """
 
     style: Style

@@ -80,7 +80,12 @@ class Vertices(ProtectedRegion, frozen=True, tag="vertices"):
 
 
 class Box(ProtectedRegion, frozen=True, tag="box"):
-    """All within a box between two corners [mm]."""
+    """All within a box between two corners [mm].
+
+    Example:
+        >>> ms.Box((0, 0, 0), (10, 10, 5)).contains([[5, 5, 1], [5, 5, 9]])
+        array([ True, False])
+    """
 
     low: Point
     high: Point
@@ -97,7 +102,12 @@ class Box(ProtectedRegion, frozen=True, tag="box"):
 
 
 class Sphere(ProtectedRegion, frozen=True, tag="sphere"):
-    """All within a radius of a centre [mm]."""
+    """All within a radius of a centre [mm].
+
+    Example:
+        >>> ms.Sphere((0, 0, 0), 4).contains([[0, 0, 3], [0, 0, 5]])
+        array([ True, False])
+    """
 
     centre: Point
     radius: float
@@ -114,7 +124,13 @@ class Sphere(ProtectedRegion, frozen=True, tag="sphere"):
 
 
 class HalfSpace(ProtectedRegion, frozen=True, tag="plane"):
-    """All on that side of a plane to which its normal points; the normal need not have length 1."""
+    """All on that side of a plane to which its normal points; the normal need not have length 1.
+
+    Example:
+        >>> above = ms.HalfSpace((0, 0, 20), (0, 0, 1))
+        >>> above.contains([[0, 0, 25], [0, 0, 15]])
+        array([ True, False])
+    """
 
     point: Point
     normal: Point

@@ -152,6 +152,11 @@ class Verdict(msgspec.Struct, frozen=True, kw_only=True):
         doubts: Why the outcome is not sure; none if it is.
         failure: Why there is no answer, "" if there is.
         measure: MEASURE of those who judged.
+
+    Example:
+        >>> verdict = ms.simulate(ms.load("gallery:drawer_knob"), vertices=500, device="cpu").verdict
+        >>> verdict.material, verdict.fall
+        ('generic PLA', 1500.0)
     """
 
     outcome: Outcome

@@ -47,6 +47,10 @@ class Printing(msgspec.Struct, frozen=True, kw_only=True):
             two of a style's own.
         bands: Whether the filaments lie one above the other, instead of where the style has its colours.
         bodies: Whether the part is written as a styled shell and the rest, of one filament each, instead of painted.
+
+    Example:
+        >>> ms.Printing(slicer="prusa", palette="#111111, #f4f1e8").palette
+        '#111111, #f4f1e8'
     """
 
     slicer: str = "standard"

@@ -54,6 +54,11 @@ class Run:
         device: `cpu` or `cuda`: where it is simulated when it goes on.
         clock: Seconds spent on it in this process.
         trusting: Whether what other runs remember of the unstylized part is taken for this one.
+
+    Example:
+        >>> run = ms.stylize(ms.load("gallery:drawer_knob"), "brick", vertices=500, iterations=4, out="runs/knob", device="cpu")
+        >>> ms.Run.open("runs/knob").verdict == run.verdict
+        True
     """
 
     store: Store
@@ -311,6 +316,12 @@ def stylize(
 
     Raises:
         BadInput: If the part, the prompt or a setting cannot be used, in one sentence.
+
+    Example:
+        >>> knob = ms.load("gallery:drawer_knob")
+        >>> run = ms.stylize(knob, "brick", vertices=500, iterations=4, out="runs/knob", device="cpu")
+        >>> run.verdict.outcome
+        'HOLDS'
     """
     wanted = draft(prompt, material, freestyle=freestyle, **settings)
     if vertices is None:

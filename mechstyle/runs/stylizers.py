@@ -44,7 +44,13 @@ _registered: dict[str, Factory] = {}
 
 
 def register_stylizer(name: str) -> Callable[[Factory], Factory]:
-    """Decorate a factory, so that `stylizer=NAME` finds it in this process; a second one of the same name replaces the first."""
+    """Decorate a factory, so that `stylizer=NAME` finds it in this process; a second one of the same name replaces the first.
+
+    Example:
+        >>> @ms.register_stylizer("my-dots")
+        ... def dots(part, bounds, recipe):
+        ...     raise NotImplementedError
+    """
     if not (name.isidentifier() or name.replace("-", "_").isidentifier()):
         raise BadInput(f"a stylizer must be named by letters, digits, '-' and '_', not {name!r}")
 

@@ -62,6 +62,13 @@ class PartTest:
         impact: The drop as placed, moment by moment, and the shape that it leaves; None for one that failed.
         fit: How the tetrahedra follow the part as it was given.
         original: The same test of the original, None if none was given.
+
+    Example:
+        >>> tested = ms.simulate(ms.load("gallery:drawer_knob"), vertices=500, device="cpu")
+        >>> tested.verdict.outcome
+        'HOLDS'
+        >>> tested.relief.max() == 0.0
+        np.True_
     """
 
     part: Workpiece
@@ -184,6 +191,10 @@ def simulate(
 
     Raises:
         BadInput: If the part or a setting cannot be used, in one sentence.
+
+    Example:
+        >>> ms.simulate(ms.load("gallery:drawer_knob"), vertices=500, device="cpu").verdict.outcome
+        'HOLDS'
     """
     chosen, where = material_named(material), resolve_device(device)
     asked = {"orientations": orientations, "poses": poses, "height": None if height is None else length_of(height)}

@@ -156,6 +156,11 @@ def strengthen(
 
     Raises:
         BadInput: If the part or a setting cannot be used, in one sentence.
+
+    Example:
+        >>> stronger = ms.strengthen(ms.load("gallery:drawer_knob"), 1.0, vertices=500, device="cpu")
+        >>> stronger.rounds  # it holds as it is
+        0
     """
     if not budget > 0.0:
         raise BadInput(f"the budget to strengthen with is {budget:g} mm, but must be above 0: a wall often needs 1")
