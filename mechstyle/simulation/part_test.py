@@ -168,8 +168,7 @@ def simulate(
 
     Args:
         mesh: A closed surface [mm], z up, as it stands.
-        original: What it was styled from, in the same place: the part is read as a relief on it and judged as in a run. None judges it
-            by itself.
+        original: What it was styled from, in the same place: the part is read as a relief on it and judged as in a run.
         material: A library name, a .toml/.json file, or a Material.
         orientations: Landings that are not nearly flat, the flat one included; as many as the poses or the standard need.
         poses: How the others land, one of `records.POSES`: every way by default.
@@ -180,8 +179,7 @@ def simulate(
         tolerance: The most that may stay bent, [mm] or text such as "0.2 mm".
         loads: A load file or load cases the part must carry besides.
         minimum_wall: The thinnest wall that is not warned about [mm]; 0 for no warning.
-        build_direction: Direction it is printed in, x, y, z or a vector, so that layers are judged by their own strength; None to leave
-            layers out.
+        build_direction: Direction it is printed in, x, y, z or a vector, so that layers are judged by their own strength.
         window: Simulated time after first touch [ms]; by default until the impact has ended.
         vertices: Vertices of the standardised surface.
         device: `auto`, `cpu` or `cuda`.
@@ -197,13 +195,11 @@ def simulate(
         'HOLDS'
     """
     chosen, where = material_named(material), resolve_device(device)
-    asked = {"orientations": orientations, "poses": poses, "height": None if height is None else length_of(height)}
-    given = {name: value for name, value in asked.items() if value is not None}
+    asked = {"standard": standard, "orientations": orientations, "poses": poses, "height": None if height is None else length_of(height)}
     wanted = Recipe.of(
-        prompt="", material=chosen, criterion=criterion, loads=load_cases(loads), minimum_wall=minimum_wall,
-        tolerance=tolerance_of(tolerance), window=window, nearly_flat=nearly_flat,
-        build_direction=None if build_direction is None else direction_of(build_direction),
-        **with_drops({"standard": standard, **given}),
+        prompt="", material=chosen, criterion=criterion, loads=load_cases(loads), minimum_wall=minimum_wall, window=window,
+        tolerance=tolerance_of(tolerance), nearly_flat=nearly_flat, build_direction=None if build_direction is None else
+        direction_of(build_direction), **with_drops({name: value for name, value in asked.items() if value is not None}),
     )  # fmt: skip
     return _tested(mesh, *_prepared(mesh, original, vertices, stage, measured), wanted, where, stage, progress)
 
