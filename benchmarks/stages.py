@@ -30,7 +30,7 @@ from mechstyle.fea.orientations import directions
 from mechstyle.gallery import make
 from mechstyle.geometry.morph import Morph
 from mechstyle.geometry.remeshing.evening import even
-from mechstyle.geometry.remeshing.filling import KEPT, fill
+from mechstyle.geometry.remeshing.filling import fill
 from mechstyle.geometry.thickness import local_thickness
 from mechstyle.geometry.transfer import Transfer
 from mechstyle.loop.engine import Event, Stylized
@@ -38,7 +38,7 @@ from mechstyle.records.material import LIBRARY
 from mechstyle.records.mesh import STANDARD_VERTICES, SurfaceMesh, TetMesh
 from mechstyle.runs.recipes import plan
 from mechstyle.runs.run import begin
-from mechstyle.simulation.part import TETS_PER_KEPT_VERTEX, Workpiece
+from mechstyle.simulation.part import TETS, Workpiece
 from mechstyle.styling.dimensions import Dimensions
 from mechstyle.styling.drawn import Target, target
 from mechstyle.styling.prompt import Wish
@@ -108,7 +108,7 @@ def run(stage: Stages, model: str, device: str) -> str:
     stage.costs["import mechstyle"] = import_cost()
     original = make(model)
     surface = stage("standardise", lambda: even(original, STANDARD_VERTICES), again=False)
-    tets = stage("tetrahedralise", lambda: fill(surface, round(TETS_PER_KEPT_VERTEX * KEPT / 2)), again=False)
+    tets = stage("tetrahedralise", lambda: fill(surface, TETS), again=False)
     thickness = stage("thickness", lambda: local_thickness(surface))
     aim = stage("style target", lambda: brick(surface, thickness))
     part = Workpiece(surface, tets, thickness.astype(np.float32), stands=True)

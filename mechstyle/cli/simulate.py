@@ -115,8 +115,7 @@ def _report(dropped: PartTest, files: dict[str, str]) -> None:
         force = f"up to {dropped.course.peak_force:.0f} N, the last of it at {dropped.course.contact_time:.2f} ms"
         course = [("contact force", force), ("touches", dropped.course.touch_words), ("energy", dropped.course.words)]
     if dropped.original is not None:
-        under = "" if simulation.carried_base is None else f" ({simulation.carried_base:.0%} under the part)"
-        follows = f"the mesh follows {simulation.carried:.0%} of it{under}"
+        follows = f"the mesh follows {simulation.carried:.0%} of it"
         relief = [("relief", f"{dropped.relief.min():.2f} to {dropped.relief.max():.2f} mm over the original, {follows}")]
     for label, value in (
         *course,

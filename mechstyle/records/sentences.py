@@ -154,13 +154,16 @@ def doubt(verdict: Verdict) -> str:
     missed = list[str]()
     for one in verdict.doubts:
         if one.about == "relief":
-            known = f"the mesh follows only {one.value:.0%} of the relief"
-            missed.append(known if math.isfinite(one.value) else "what the mesh follows of the relief is not known")
+            known = f"between the relief the mesh is {one.value:.0%} thicker than the part"
+            missed.append(known if math.isfinite(one.value) else "how thick the mesh is between the relief is not known")
+        elif one.about == "base":
+            known = f"only {one.value:.0%} of the base is on the floor in the mesh, too"
+            missed.append(known if math.isfinite(one.value) else "what of the base is on the floor in the mesh is not known")
         elif one.about == "volume":
             known = f"the volume of the mesh is {one.value:+.1%} off that of the part"
             missed.append(known if math.isfinite(one.value) else "the volume of the mesh is not known")
     if missed:
-        reasons.append(f"{listed(missed)}; ask for more vertices")
+        reasons.append(f"{listed(missed)}; a lower relief is followed more closely")
     return f"Not sure: {'; '.join(reasons)}." if reasons else ""
 
 

@@ -88,8 +88,12 @@ def place_in_words(where: Place, low: Place, high: Place) -> str:
     return f"{level} {'on' if len(sides) == 1 and sides[0] in ('left', 'right') else 'at'} the {' '.join(sides)}" if sides else level
 
 
-LEAST_CARRIED = 0.9
-"""Least share of the relief, as far as a nozzle could print it, that tetrahedra must follow to judge it without a doubt."""
+THICKER = 0.1
+"""Share of what a relief leaves of a wall by which tetrahedra may be thicker to judge it without a doubt: what a section bears before it
+bends for good goes with the square of its thickness."""
+
+LEAST_GROUNDED = 0.9
+"""Least share of what a styled surface has on the floor that tetrahedra must have there, too."""
 
 VOLUME_ERROR = 0.03
 """Relative difference of volume from the surface's above which tetrahedra are not used, or leave a doubt."""
@@ -120,7 +124,8 @@ class Simulation:
         added_mass: Mass added by scaling slivers, over the mass of the part.
         level_share: Share of the flat faces it stands on that the relief leaves on the floor, None for a part that stands on none.
         carried: Share of the relief that the boundary of the tetrahedra follows, 1 without any.
-        carried_base: The same on the flat faces it stands on, or of what is on the floor, if less; None where there is no relief on any.
+        thicker: Share of what the relief leaves of a wall by which the tetrahedra are thicker; see `simulation.meshes`.
+        grounded: Share of what the surface has on the floor that the tetrahedra have there, too.
         volume_error: Volume of the tetrahedra over that inside the surface, less 1; with or without relief, whichever is further off.
         volume: Volume of the tetrahedra [mm³].
         mesh: Digest of the tetrahedra as they were made.
@@ -145,7 +150,8 @@ class Simulation:
     added_mass: float = 0.0
     level_share: float | None = None
     carried: float = 1.0
-    carried_base: float | None = None
+    thicker: float = 0.0
+    grounded: float = 1.0
     volume_error: float = 0.0
     volume: float = 0.0
     mesh: str = ""
@@ -208,8 +214,3 @@ class Simulation:
     def maximum(self) -> float:
         """Largest stress at a point of an element in the flat landing and under the loads [MPa]: what the published rule looks at."""
         return max([*(one.maximum for one in self.landings[:1]), *(one.maximum for one in self.loads)], default=0.0)
-
-    @property
-    def least_carried(self) -> float:
-        """The smaller share of the relief that the tetrahedra follow, of all of it and of that on the faces it stands on."""
-        return float(np.min([self.carried, 1.0 if self.carried_base is None else self.carried_base]))  # NaN if one of them is

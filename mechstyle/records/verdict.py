@@ -13,7 +13,7 @@ import msgspec
 
 from mechstyle.records import sentences
 from mechstyle.records.recipe import Recipe
-from mechstyle.records.simulation import LEAST_CARRIED, VOLUME_ERROR, Landing, LoadResult, Place, Simulation
+from mechstyle.records.simulation import LEAST_GROUNDED, THICKER, VOLUME_ERROR, Landing, LoadResult, Place, Simulation
 
 Outcome = Literal["HOLDS", "NO WORSE", "FAILS", "UNKNOWN"]
 Test = Literal["flat", "nearly flat", "any landing", "load", "published rule"]
@@ -122,15 +122,15 @@ class Doubt(msgspec.Struct, frozen=True, kw_only=True):
     """A reason why the outcome is not sure.
 
     Attributes:
-        about: `limit`, a test closer to its limit than it repeats; `landings`, of which some were not dropped; `relief`, which the mesh
-            misses; `volume`, which is another.
+        about: `limit`, a test closer to its limit than it repeats; `landings`, of which some were not dropped; `relief`, between
+            which the mesh is thicker; `base`, of which it has less on the floor; `volume`, which is another.
         test, landing, load: The test and its landing or load, "" for all.
-        value: Share used of what is allowed, number of landings left out, share of the relief that the mesh follows, or relative error of
-            volume.
+        value: Share used of what is allowed, number of landings left out, share of a wall by which the mesh is thicker, share of the
+            base that is on the floor, or relative error of volume.
         of: Of `landings`, how many were asked for.
     """
 
-    about: Literal["limit", "landings", "relief", "volume"]
+    about: Literal["limit", "landings", "relief", "base", "volume"]
     value: float
     of: int = 0
     test: str = ""
@@ -314,7 +314,9 @@ def _doubts(rows: Iterable[Row], outcome: Outcome, simulation: Simulation, origi
     missing = asked - {one.name for one in simulation.landings}
     if missing and not any(row.test == "published rule" for row in rows):
         yield Doubt(about="landings", value=float(len(missing)), of=len(asked))
-    if not simulation.least_carried >= LEAST_CARRIED:
-        yield Doubt(about="relief", value=simulation.least_carried)
+    if not simulation.thicker <= THICKER:
+        yield Doubt(about="relief", value=simulation.thicker)
+    if not simulation.grounded >= LEAST_GROUNDED:
+        yield Doubt(about="base", value=simulation.grounded)
     if not abs(simulation.volume_error) <= VOLUME_ERROR:
         yield Doubt(about="volume", value=simulation.volume_error)

@@ -34,7 +34,6 @@ class Summary(msgspec.Struct, frozen=True, kw_only=True):
         iterations: Stylization iterations.
         meshing: How the tetrahedra of the last simulation followed the surface.
         carried: Share of the relief that the tetrahedra of the last simulation follow.
-        carried_base: The same on the flat faces the part stands on, None where there is no relief on any.
         level_share: Share of the flat faces the part stands on that the relief leaves on the floor, None if it stands on none.
         backed_off: Share of the surface the tetrahedra could not follow in the last simulation.
         seconds: Wall time per stage of the process that finished the run [s].
@@ -62,7 +61,6 @@ class Summary(msgspec.Struct, frozen=True, kw_only=True):
     backed_off: float
     level_share: float | None = None
     carried: float = 1.0
-    carried_base: float | None = None
     seconds: dict[str, float]
     notes: tuple[str, ...]
     lane: str
@@ -85,7 +83,7 @@ def summarise(engine: Engine, *, device: str, notes: tuple[str, ...], seconds: d
         landings=simulation.landings, loads=simulation.loads, plain=engine.simulator.judge(engine.simulator.baseline, alone=True),
         simulations=simulations(history), style_loss=last.style_loss, style_loss_ratio=last.style_loss / start if start else 0.0,
         kept=kept, iterations=last.iteration, meshing=simulation.meshing, carried=simulation.carried,
-        carried_base=simulation.carried_base, level_share=simulation.level_share, backed_off=simulation.backed_off, seconds=seconds,
+        level_share=simulation.level_share, backed_off=simulation.backed_off, seconds=seconds,
         notes=(*notes, little) if little else notes, lane=engine.lane, recipe=engine.recipe.digest, device=device, files=files,
     )  # fmt: skip
 

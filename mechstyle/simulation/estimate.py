@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from mechstyle.fea.explicit import cores as cores_allowed
 from mechstyle.records import Recipe, sentences
+from mechstyle.simulation.part import TETS
 from mechstyle.simulation.simulator import STEERING
 
 SECONDS_PER_STEP = {"tet10": 50e-9, "tet4": 12e-9}
@@ -14,13 +15,13 @@ SECONDS_PER_STEP = {"tet10": 50e-9, "tet4": 12e-9}
 tet4 is a guess."""
 STEP, STEPS = 1.1e-4, 12_500
 """Time step [ms], and steps until an impact has ended: 680 to 10 000 flat and 3700 to 23 600 nearly flat were counted of eight parts."""
-TETRAHEDRA, FINEST = 2.6, 13_000
-"""Tetrahedra for each vertex of the surface: 2.0 to 3.3 of these and one of 12 000; a surface of more vertices than FINEST gets no more."""
+FINEST = 25_000
+"""Vertices of a surface from which on meshing takes the same time: its faces are cut smaller."""
 NEARLY_FLAT = 8
 """Landings on the corners and sides of what a part stands on: eight of a box, six of a round base."""
 USUAL_TESTS = 5
 """Tests on the way of a schedule that heeds shape or stress, in the middle of the runs of docs/why-these-defaults.md."""
-MESHING = 2.2e-3
+MESHING = 0.8e-3
 """Time of one core to mesh a part, for each vertex of its surface [s]."""
 STYLING = 4e-6
 """Time of an iteration without a fall, for each vertex [s]."""
@@ -63,9 +64,9 @@ def estimated(recipe: Recipe, vertices: int, *, fall: float | None = None, cores
     on_the_way = {"never": 0, "every": (schedule.iterations - 1) // schedule.every}.get(schedule.when, USUAL_TESTS)
     thorough = 2 + recipe.restraint.guarantee
     if fall is None:
-        fall = seconds_of_a_fall(TETRAHEDRA * min(vertices, FINEST), element=test.element, window=test.window)
+        fall = seconds_of_a_fall(TETS, element=test.element, window=test.window)
     rounds = thorough * math.ceil(every / cores) + on_the_way * math.ceil(steering / cores)
-    seconds = rounds * fall + 2 * MESHING * min(vertices, 2 * FINEST) + schedule.iterations * STYLING * vertices
+    seconds = rounds * fall + 2 * MESHING * min(vertices, FINEST) + schedule.iterations * STYLING * vertices
     return Estimate(test.height, thorough * every + on_the_way * steering, seconds)
 
 

@@ -15,16 +15,17 @@ from numpy.typing import NDArray
 
 from mechstyle.errors import MechStyleError
 from mechstyle.fea.explicit import Progress, no_progress
+from mechstyle.fea.permanent_set import quantile
 from mechstyle.geometry.morph import Morph, Morphed
 from mechstyle.geometry.transfer import SurfaceMean, Transfer
 from mechstyle.loop.objects import AT_REST, CARRIER, LAST_MESH, MESH, MESH_FOR, Memo
 from mechstyle.records.mesh import Floats, TetMesh, digest_of
 from mechstyle.records.recipe import Transfer as TransferName
-from mechstyle.records.simulation import LEAST_CARRIED, VOLUME_ERROR
+from mechstyle.records.simulation import LEAST_GROUNDED, THICKER, VOLUME_ERROR
 from mechstyle.simulation.part import Shape, at_rest, carrying
 
-SEEN = 0.01
-"""Relief below which a place has none [mm]: no printer shows it."""
+THICKER_AREA = 8.0
+"""Of the surface [mm²], on which a wall may be thicker: a square millimetre on each side of a groove's ends is no section."""
 
 
 class Followed(NamedTuple):
@@ -32,43 +33,31 @@ class Followed(NamedTuple):
 
     Attributes:
         whole: Share of the relief their boundary follows; 1 where there is none.
-        base: The same on the faces the part stands on, None where there is none.
         volume: Volume over that inside the surface, less 1; of the styled or of the unstylized part, whichever is further off.
         grounded: 1 less the share of the base that the surface has on the floor and their boundary, which an impact goes through, has not.
+        thicker: Share of what the relief leaves of a wall by which they are thicker, on all of the surface but THICKER_AREA.
     """
 
     whole: float
-    base: float | None
     volume: float
     grounded: float = 1.0
-
-    @property
-    def least(self) -> float:
-        """The least of the shares."""
-        return float(np.min([self.whole, 1.0 if self.base is None else self.base, self.grounded]))
-
-    @property
-    def under(self) -> float | None:
-        """The share under the part, of the relief or of what is on the floor, whichever is less; None where there is no relief."""
-        if self.base is None:
-            return None if self.grounded >= LEAST_CARRIED else self.grounded
-        return min(self.base, self.grounded)
+    thicker: float = 0.0
 
     @property
     def enough(self) -> bool:
         """Whether a verdict may rest on these tetrahedra."""
-        return self.least >= LEAST_CARRIED and abs(self.volume) <= VOLUME_ERROR
+        return self.thicker <= THICKER and self.grounded >= LEAST_GROUNDED and abs(self.volume) <= VOLUME_ERROR
 
     def is_at_least_as_good_as(self, other: Followed) -> bool:
         """Whether these are taken rather than new ones made: no worse than others that are not enough, and on the floor as the surface."""
-        return self.grounded >= LEAST_CARRIED and self.least >= other.least
+        return self.grounded >= LEAST_GROUNDED and self.thicker <= other.thicker
 
     @property
     def words(self) -> str:
         """Its figures in words."""
-        base = "" if self.base is None else f" ({self.base:.0%} under the part)"
-        grounded = "" if self.grounded >= LEAST_CARRIED else f", {1.0 - self.grounded:.0%} of its base off the floor"
-        return f"{self.whole:.0%} of the relief{base}{grounded}, volume {self.volume:+.1%}"
+        grounded = "" if self.grounded >= LEAST_GROUNDED else f", {1.0 - self.grounded:.0%} of its base off the floor"
+        thicker = "" if self.thicker <= THICKER else f", walls thicker by {self.thicker:.0%}"
+        return f"{self.whole:.0%} of the relief{thicker}{grounded}, volume {self.volume:+.1%}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,10 +95,9 @@ class Body:
         errors = (float(morphed.tets.volumes.sum()) / styled.volume - 1.0, self.morph.volume_without_relief / surface.volume - 1.0)
         whole = slope(wanted, found, areas)
         lifted = (base.share(morphed.displacement) or 0.0) - (base.share(morphed.followed) or 0.0)
-        # What a nozzle leaves of a relief beside the base reaches over its edge, where there is none to be followed.
-        under = slope(wanted, found, base.resting * areas * (np.abs(morphed.displacement) > SEEN))
-        shares = (1.0 if whole is None else max(whole, 0.0), None if under is None else max(under, 0.0))
-        return Followed(*shares, max(errors, key=abs), 1.0 - max(lifted, 0.0))
+        standing = self._printed(np.maximum(morphed.followed - morphed.displacement, 0.0)) / self.shape.thinnest(morphed.displacement)
+        thicker = quantile(standing[:, None], areas, THICKER_AREA) if morphed.displacement.any() else 0.0
+        return Followed(1.0 if whole is None else max(whole, 0.0), max(errors, key=abs), 1.0 - max(lifted, 0.0), thicker)
 
     @cached_property
     def _printed(self) -> SurfaceMean:
@@ -240,7 +228,7 @@ class Meshes:
             name, objects = f"{MESH_FOR}{digest_of(displacement)}", self.memo.objects
             kept = self.memo.recall(name, KeptMesh)
             if kept is None:
-                made, half = carrying(self.first.shape.surface, displacement, partial(self.progress, 0.0))
+                made, half = carrying(self.first.shape, displacement, partial(self.progress, 0.0))
                 kept = KeptMesh(tets=objects.put_mesh(made), at=objects.put_array(half))
                 self.memo.remember(name, kept)
             tets, at = objects.get_mesh(kept.tets, TetMesh), objects.get_array(kept.at)

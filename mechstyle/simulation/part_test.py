@@ -29,13 +29,14 @@ from mechstyle.records.recipe import DEFAULTS, direction_of
 from mechstyle.records.written import length_of, tolerance_of
 from mechstyle.simulation.drop_history import Course, history_picture, vtu_bytes, vtu_path
 from mechstyle.simulation.impact import Impact, impact_of
-from mechstyle.simulation.meshes import SEEN
 from mechstyle.simulation.part import Shape, Stage, Workpiece, at_rest, cached_memo, fitted, prepare, standardised
 from mechstyle.simulation.physics import period_of, prescribed
 from mechstyle.simulation.simulator import Detail, DropSimulator
 
 ROUNDS = 20
 """Times a vertex is moved along its normal towards the styled surface; on a slope of 45° each halves what is missing."""
+SEEN = 0.01
+"""Relief below which a place has none [mm]: no printer shows it."""
 ON_NORMAL = 0.01
 """Distance from the normal of a vertex within which a styled vertex is that one, moved [mm]; files round less."""
 ALIKE = 0.05

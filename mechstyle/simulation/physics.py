@@ -19,7 +19,7 @@ from mechstyle.loop.objects import Memo
 from mechstyle.records import Recipe
 from mechstyle.records.mesh import SurfaceMesh, TetMesh
 
-PHYSICS_VERSION = 21
+PHYSICS_VERSION = 22
 """Counts changes that alter results, so that remembered simulations of older code are not reused."""
 
 

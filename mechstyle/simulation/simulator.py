@@ -173,7 +173,8 @@ class DropSimulator:
         fit = body.followed(morphed)
         found = Simulation(
             displacement=morphed.displacement, contact=landed[0].contact, backed_off=morphed.backed_off, deviation=morphed.deviation,
-            carried=fit.whole, carried_base=fit.under, volume_error=fit.volume, volume=float(morphed.tets.volumes.sum()),
+            carried=fit.whole, thicker=fit.thicker, grounded=fit.grounded, volume_error=fit.volume,
+            volume=float(morphed.tets.volumes.sum()),
             mesh=body.tets.digest, level_share=body.shape.level_base.share(morphed.displacement), meshing=meshing,
             time_step=landed[0].time_step, steps=max(one.steps for one in landed), added_mass=landed[0].added_mass,
             failure=failure or loads.failure,

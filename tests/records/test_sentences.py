@@ -151,7 +151,8 @@ def near(test="flat", landing="flat", load=""):
     return Doubt(about="limit", value=1.0, test=test, landing=landing, load=load)
 
 
-MISSED, SMALLER = Doubt(about="relief", value=0.78), Doubt(about="volume", value=-0.035)
+LOWER = "a lower relief is followed more closely"
+MISSED, SMALLER = Doubt(about="relief", value=0.22), Doubt(about="volume", value=-0.035)
 DOUBTS = [
     (verdict(FLAT), ""),
     (UNKNOWN, ""),
@@ -171,17 +172,24 @@ DOUBTS = [
         verdict(FLAT, doubts=tuple(near(landing=f"direction {n}") for n in range(4))),
         "Not sure: 4 tests pass more closely than the test repeats; another mesh may say otherwise.",
     ),
-    (verdict(FLAT, doubts=(MISSED,)), "Not sure: the mesh follows only 78% of the relief; ask for more vertices."),
+    (
+        verdict(FLAT, doubts=(Doubt(about="base", value=0.8),)),
+        f"Not sure: only 80% of the base is on the floor in the mesh, too; {LOWER}.",
+    ),
+    (verdict(FLAT, doubts=(MISSED,)), f"Not sure: between the relief the mesh is 22% thicker than the part; {LOWER}."),
     (
         verdict(FLAT, doubts=(near(), MISSED, SMALLER)),
         (
-            "Not sure: flat passes more closely than the test repeats; another mesh may say otherwise; the mesh follows only 78% of the"
-            " relief and the volume of the mesh is -3.5% off that of the part; ask for more vertices."
+            "Not sure: flat passes more closely than the test repeats; another mesh may say otherwise; between the relief the mesh is"
+            f" 22% thicker than the part and the volume of the mesh is -3.5% off that of the part; {LOWER}."
         ),
     ),
     (
-        verdict(FLAT, doubts=(Doubt(about="relief", value=math.nan), Doubt(about="volume", value=math.nan))),
-        "Not sure: what the mesh follows of the relief is not known and the volume of the mesh is not known; ask for more vertices.",
+        verdict(FLAT, doubts=tuple(Doubt(about=what, value=math.nan) for what in ("relief", "base", "volume"))),
+        (
+            "Not sure: how thick the mesh is between the relief is not known, what of the base is on the floor in the mesh is not known"
+            f" and the volume of the mesh is not known; {LOWER}."
+        ),
     ),
 ]  # fmt: skip
 

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from mechstyle.records import Doubt, Simulation, Verdict, judge
 from mechstyle.records.load_cases import Load, LoadCase, Support
 from mechstyle.records.material import LIBRARY
-from mechstyle.records.simulation import LEAST_CARRIED, VOLUME_ERROR
+from mechstyle.records.simulation import LEAST_GROUNDED, THICKER, VOLUME_ERROR
 from mechstyle.records.verdict import LITERAL_REPEATS, MEASURE, MORE_THAN_PLAIN, OLDER, REPEATS, REPEATS_SHARE
 from support.records import STRENGTH, TOLERANCE, landing, load_result, load_row, recipe, row, verdict
 
@@ -274,14 +274,25 @@ def test_one_sure_failure_settles_it_and_of_failures_in_doubt_only_they_are_name
     assert [(doubt.about, doubt.landing) for doubt in unsettled.doubts] == [("limit", "flat")]
 
 
-@pytest.mark.parametrize("figure", ["carried", "carried_base", "volume_error"])
-@pytest.mark.parametrize("value", [math.nan, 0.99 * LEAST_CARRIED, -1.01 * VOLUME_ERROR, LEAST_CARRIED])
-def test_a_mesh_that_misses_relief_or_volume_leaves_a_doubt_on_what_passes(figure, value):
-    good = value == LEAST_CARRIED and figure != "volume_error"
+@pytest.mark.parametrize(
+    ("figure", "about", "value", "good"),
+    [
+        ("thicker", "relief", math.nan, False),
+        ("thicker", "relief", 1.01 * THICKER, False),
+        ("thicker", "relief", THICKER, True),
+        ("grounded", "base", math.nan, False),
+        ("grounded", "base", 0.99 * LEAST_GROUNDED, False),
+        ("grounded", "base", LEAST_GROUNDED, True),
+        ("volume_error", "volume", math.nan, False),
+        ("volume_error", "volume", -1.01 * VOLUME_ERROR, False),
+        ("volume_error", "volume", VOLUME_ERROR, True),
+    ],
+)
+def test_a_mesh_that_is_thicker_or_hangs_or_misses_volume_leaves_a_doubt_on_what_passes(figure, about, value, good):
     for plain in (None, a_part({"flat": 0.0})):
         judged = judge(a_part({"flat": 0.0}, **{figure: value}), plain, asked())
         assert judged.passes
-        assert [doubt.about for doubt in judged.doubts] == ([] if good else ["volume" if figure == "volume_error" else "relief"])
+        assert [doubt.about for doubt in judged.doubts] == ([] if good else [about])
 
 
 def test_what_passes_in_some_of_the_landings_alone_says_how_many_are_missing():

@@ -10,7 +10,7 @@ from manifold3d import Manifold
 
 from mechstyle.geometry.remeshing.evening import even, surface_of
 from mechstyle.geometry.thickness import local_thickness
-from mechstyle.records.simulation import LEAST_CARRIED, VOLUME_ERROR
+from mechstyle.records.simulation import LEAST_GROUNDED, THICKER, VOLUME_ERROR
 from mechstyle.simulation.meshes import Body, Followed
 from mechstyle.simulation.part import Shape, Workpiece, carrying, refilled
 
@@ -22,7 +22,11 @@ def slab():
 
 def body(slab, tets, at, nozzle=0.0):
     """Tetrahedra; a nozzle of no width prints everything."""
-    return Body(Shape(slab, local_thickness(slab)), tets, nozzle, at=at)
+    return Body(walled(slab), tets, nozzle, at=at)
+
+
+def walled(slab):
+    return Shape(slab, local_thickness(slab).astype(np.float32))
 
 
 @pytest.fixture(scope="module")
@@ -33,7 +37,7 @@ def relief(slab):
 
 @pytest.fixture(scope="module")
 def filled(slab, relief):
-    return carrying(slab, relief)
+    return carrying(walled(slab), relief)
 
 
 def test_they_are_made_for_half_of_it_and_carry_all_of_it(slab, relief, filled):
@@ -43,7 +47,7 @@ def test_they_are_made_for_half_of_it_and_carry_all_of_it(slab, relief, filled):
     fit = made.followed(made.morph.morphed(relief))
     assert fit.enough
     assert fit.whole == pytest.approx(1.0, abs=0.1)
-    assert fit.base == pytest.approx(1.0, abs=0.1)
+    assert fit.thicker <= THICKER
 
 
 def test_a_base_that_is_laid_flat_but_left_hanging_is_not_carried(slab, relief, filled):
@@ -58,26 +62,23 @@ def test_a_base_that_is_laid_flat_but_left_hanging_is_not_carried(slab, relief, 
     assert 0.3 < fit.grounded < 0.7
     assert not fit.enough
     assert "of its base off the floor" in fit.words
-    assert Followed(1.0, None, 0.0).is_at_least_as_good_as(fit)
+    assert Followed(1.0, 0.0).is_at_least_as_good_as(fit)
     assert not fit.is_at_least_as_good_as(fit)
-
-
-def test_a_plain_base_has_no_relief_that_could_be_missed_whatever_lies_beside_it(slab, relief, filled):
-    """-153 % of what lies beside its edge were once followed, which is no share of anything."""
-    made = body(slab, *filled, nozzle=4.0)
-    above = np.where(made.shape.level_base.standing, np.float32(0.0), relief)
-    assert made.followed(made.morph.morphed(above)).base is None
 
 
 def test_what_goes_the_other_way_follows_nothing(slab, relief, filled):
     made = body(slab, *filled)
     morphed = made.morph.morphed(relief)
-    assert made.followed(replace(morphed, followed=-morphed.followed))[:2] == (0.0, 0.0)
+    fit = made.followed(replace(morphed, followed=-morphed.followed))
+    assert fit.whole == 0.0
+    assert fit.thicker > THICKER
+    assert not fit.enough
 
 
 def test_without_relief_nothing_is_to_be_carried(slab, relief, filled):
     made = body(slab, *filled)
-    assert made.followed(made.morph.morphed(np.zeros_like(relief)))[:2] == (1.0, None)
+    fit = made.followed(made.morph.morphed(np.zeros_like(relief)))
+    assert (fit.whole, fit.thicker) == (1.0, 0.0)
 
 
 def test_what_is_finer_than_a_nozzle_does_not_count_as_missed(slab, relief, filled):
@@ -93,37 +94,25 @@ def test_what_is_finer_than_a_nozzle_does_not_count_as_missed(slab, relief, fill
 @pytest.mark.parametrize(
     ("fit", "enough"),
     [
-        (Followed(LEAST_CARRIED, None, 0.0), True),
-        (Followed(LEAST_CARRIED - 0.01, None, 0.0), False),
-        (Followed(1.0, LEAST_CARRIED - 0.01, 0.0), False),
-        (Followed(1.0, 1.0, 1.01 * VOLUME_ERROR), False),
-        (Followed(1.0, 1.0, -1.01 * VOLUME_ERROR), False),
-        (Followed(float("nan"), 1.0, 0.0), False),
-        (Followed(1.0, float("nan"), 0.0), False),
-        (Followed(1.0, None, 0.0, grounded=LEAST_CARRIED), True),
-        (Followed(1.0, None, 0.0, grounded=LEAST_CARRIED - 0.01), False),
+        (Followed(0.0, 0.0), True),
+        (Followed(1.0, 1.01 * VOLUME_ERROR), False),
+        (Followed(1.0, -1.01 * VOLUME_ERROR), False),
+        (Followed(1.0, float("nan")), False),
+        (Followed(1.0, 0.0, grounded=LEAST_GROUNDED), True),
+        (Followed(1.0, 0.0, grounded=LEAST_GROUNDED - 0.01), False),
+        (Followed(1.0, 0.0, grounded=float("nan")), False),
+        (Followed(1.0, 0.0, thicker=THICKER), True),
+        (Followed(1.0, 0.0, thicker=THICKER + 0.01), False),
+        (Followed(1.0, 0.0, thicker=float("nan")), False),
     ],
 )
-def test_whole_base_and_volume_each_must_be_good_enough(fit, enough):
+def test_thickness_base_and_volume_each_must_be_good_enough(fit, enough):
     assert fit.enough == enough
-
-
-@pytest.mark.parametrize(
-    ("fit", "under"),
-    [
-        (Followed(0.5, None, 0.0), None),
-        (Followed(0.5, 0.95, 0.0, grounded=0.97), 0.95),
-        (Followed(0.5, 0.95, 0.0, grounded=0.6), 0.6),
-        (Followed(0.5, None, 0.0, grounded=0.6), 0.6),
-    ],
-)
-def test_a_base_that_is_off_the_floor_where_the_surface_is_on_it_counts(fit, under):
-    assert fit.under == under
 
 
 def test_a_part_is_filled_again_for_another_relief_and_left_alone_where_it_is_not_known(slab, relief, filled):
     tets, half = filled
-    part = Workpiece(slab, tets, np.full(len(slab.vertices), 6.0, np.float32), True, at=half)
+    part = Workpiece(slab, tets, walled(slab).thickness, True, at=half)
     assert refilled(part, lambda _, **__: None) is part
     again = refilled(part, lambda _, **__: relief)
     assert again.tets.digest == tets.digest, "cached by content"
@@ -139,5 +128,5 @@ def test_a_run_that_is_told_to_stop_does_not_wait_for_the_mesh(slab, monkeypatch
         raise InterruptedError
 
     with pytest.raises(InterruptedError):
-        carrying(slab, np.full(len(slab.vertices), 0.1, np.float32), stop)
+        carrying(walled(slab), np.full(len(slab.vertices), 0.1, np.float32), stop)
     assert not list(tmp_path.rglob("*.npz"))

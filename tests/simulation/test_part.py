@@ -129,8 +129,8 @@ def test_the_plain_part_is_filled_meanwhile(tmp_path, monkeypatch):
     """It is dropped as well, and its tetrahedra are known when it is."""
     filled = []
 
-    def carried(surface, relief, _go_on):
-        filled.append(("styled", surface.digest))
+    def carried(shape, relief, _go_on):
+        filled.append(("styled", shape.surface.digest))
         return None, relief
 
     def raised(shape, **_go_on):

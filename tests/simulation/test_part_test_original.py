@@ -9,8 +9,7 @@ from manifold3d import Manifold
 from mechstyle.errors import BadInput
 from mechstyle.geometry.remeshing.evening import even, surface_of
 from mechstyle.records.mesh import SurfaceMesh
-from mechstyle.simulation.meshes import SEEN
-from mechstyle.simulation.part_test import fit_of, relief_over
+from mechstyle.simulation.part_test import SEEN, fit_of, relief_over
 from validation.meshes import box
 
 

@@ -7,16 +7,18 @@ import numpy as np
 from mechstyle.fea.discretisation import discretise
 from mechstyle.fea.drop import DropTest
 from mechstyle.fea.elements import LINEAR
-from mechstyle.geometry.thickness import local_thickness
 from mechstyle.records import Recipe
 from mechstyle.records.material import LIBRARY
 from mechstyle.simulation.part import Workpiece
 from mechstyle.simulation.simulator import DropSimulator
 
+WALL = 3.0
+"""What the walls of the block are taken for [mm], so that its reliefs are deep enough to matter."""
+
 
 def simulator(block, memo, at=None, **settings) -> DropSimulator:
     surface, tets = block
-    part = Workpiece(surface, tets, local_thickness(surface).astype(np.float32), stands=True, at=at)
+    part = Workpiece(surface, tets, np.full(len(surface.vertices), WALL, np.float32), stands=True, at=at)
     chosen = {"material": LIBRARY["PLA"], "orientations": 2, "nearly_flat": False, "window": 0.1, "element": "tet4", **settings}
     recipe = Recipe.of(surface=surface.digest, tetrahedra=tets.digest, prompt="", **chosen)
     return DropSimulator(part, recipe, memo)

@@ -67,7 +67,8 @@ def decimated(mesh: SurfaceMesh, faces: int, go_on: CancelCheck = never_cancel, 
         places = shared.lowest(0.5 * (vertices[edges[:, 0]] + vertices[edges[:, 1]]))
         costs = shared.at(places)
         sound = np.flatnonzero(valid_collapses(vertices, corners, edges, places, longest=longest, cosine=TOL.turn_in_decimation))
-        cheap = sound[np.argsort(costs[sound], kind="stable")][: max(int(TOL.cheap * len(edges)), 1)]
+        share = TOL.cheap_at_first if len(corners) > TOL.at_first * faces else TOL.cheap
+        cheap = sound[np.argsort(costs[sound], kind="stable")][: max(int(share * len(edges)), 1)]
         apart = far_apart(edges[cheap], np.floor(np.log2(np.maximum(costs[cheap], 1e-12))), corners, len(vertices))
         chosen = cheap[apart][: max(excess, 0)]
         if not len(chosen):

@@ -26,23 +26,26 @@ from mechstyle.geometry.remeshing.tolerances import TOL
 from mechstyle.records.mesh import Floats, Indices, SurfaceMesh, TetMesh, digest_of
 from mechstyle.records.simulation import VOLUME_ERROR
 
-VERSION = "16"  # of what is cached: raise it when the result for the same input may change
+VERSION = "17"  # of what is cached: raise it when the result for the same input may change
 FEWEST, MOST = 500, 400_000
-KEPT = 24_000  # faces, at most, of an input that keeps its triangles: with 18 000 a wall hook's bricks are carried to 0.87, so to 0.91
+KEPT = (24_000, 12_000, 6_000)  # faces of an input that keeps its triangles: the fewest that follow the surface as closely as is asked
 
 
 def fill(
     surface: SurfaceMesh, target: int = 16_000, *,
-    keep: SurfaceMesh | None = None, timeout: float = 600.0, cache: Path | None = None, go_on: CancelCheck = never_cancel,
+    keep: SurfaceMesh | None = None, proud: Floats | None = None, timeout: float = 600.0, cache: Path | None = None,
+    go_on: CancelCheck = never_cancel,
 ) -> TetMesh:  # fmt: skip
     """Tetrahedra of about the wished number inside a closed surface.
 
     Args:
         surface: A closed surface.
         target: Tetrahedra wanted, 500 to 400 000; -40 % to +60 % is accepted, and fine detail may ask for more.
-        keep: The surface with its relief exaggerated, vertex by vertex. Its triangles are kept, those that this one needs most if there
-            are more than KEPT of them; without it they become as large as the target asks for and the detail allows, unless the surface
-            itself has a relief finer than that.
+        keep: The surface with its whole relief, or an exaggerated one, vertex by vertex. Its triangles are kept, those that this one needs
+            most if there are more than the least of KEPT; without it they become as large as the target asks for and the detail allows,
+            unless the surface itself has a relief finer than that.
+        proud: How far kept triangles may stand out of the surface at each vertex [mm], shape [vertex_count]: as many of KEPT are kept as
+            that takes. None for any distance.
         timeout: Most time for one run of fTetWild [s], as `tetwild` counts it; there are one or two, three at most.
         cache: Folder of earlier results by content, or None. fTetWild gives another mesh every time, so that only a kept one
             makes a run repeatable.
@@ -56,11 +59,14 @@ def fill(
         SimulationFailed: If no mesh that passes the checks was found, saying what the last one failed.
     """
     _check(surface, target)
-    digest = digest_of(surface.vertices, surface.faces, np.array([target]), *([] if keep is None else [keep.vertices]))
+    kept = None if keep is None else Kept(keep, np.full(len(keep.vertices), np.inf) if proud is None else proud)
+    digest = digest_of(
+        surface.vertices, surface.faces, np.array([target]), *([] if kept is None else [kept.exaggerated.vertices, kept.proud])
+    )
     file = None if cache is None else Path(cache) / f"{digest[:32]}-{VERSION}.npz"
-    if file is not None and (kept := _cached(file)) is not None:
-        return kept
-    tets = _meshed(surface, target, timeout, go_on, keep=keep)
+    if file is not None and (known := _cached(file)) is not None:
+        return known
+    tets = _meshed(surface, target, timeout, go_on, keep=kept)
     if file is not None:
         if (meanwhile := _cached(file)) is not None:  # somebody else was faster, and runs may rest on that mesh already
             return meanwhile
@@ -84,6 +90,13 @@ def _check(surface: SurfaceMesh, target: int) -> None:
         raise BadInput(f"the surface {why}; load it with mechstyle, which repairs it or says why not")
 
 
+class Kept(NamedTuple):
+    """What triangles are kept for: `keep` and `proud` of `fill`."""
+
+    exaggerated: SurfaceMesh
+    proud: Floats
+
+
 class Attempt(NamedTuple):
     """One fTetWild run: its mesh, its fault ("" for none), and whether surface detail needs more tetrahedra than wished."""
 
@@ -92,7 +105,7 @@ class Attempt(NamedTuple):
     detailed: bool
 
 
-def _meshed(surface: SurfaceMesh, target: int, timeout: float, go_on: CancelCheck, *, keep: SurfaceMesh | None) -> TetMesh:
+def _meshed(surface: SurfaceMesh, target: int, timeout: float, go_on: CancelCheck, *, keep: Kept | None) -> TetMesh:
     """Run fTetWild until count and checks are met, aiming lower or higher or sharpening the tolerances, at most `TOL.runs` times.
 
     A mesh of the wrong size is better than none: after one correction the nearest count is taken, and at once if the surface's detail, or
@@ -114,9 +127,7 @@ def _meshed(surface: SurfaceMesh, target: int, timeout: float, go_on: CancelChec
     return min(sound, key=lambda tets: abs(math.log(len(tets.tets) / target)))
 
 
-def _attempt(
-    surface: SurfaceMesh, aim: float, sharpness: float, timeout: float, go_on: CancelCheck, *, keep: SurfaceMesh | None
-) -> Attempt:
+def _attempt(surface: SurfaceMesh, aim: float, sharpness: float, timeout: float, go_on: CancelCheck, *, keep: Kept | None) -> Attempt:
     wall = 2.0 * surface.volume / float(surface.face_areas.sum())
     tolerance = sharpness * min(TOL.envelope * wall, TOL.widest_envelope * surface.size)
     epsilon = (1.0 if keep is None else 0.5) * tolerance
@@ -164,34 +175,49 @@ def _filled_as(surface: SurfaceMesh, aim: float, deviation: float, detail: float
         if edge <= finest or max(np.quantile(there, 0.999), np.quantile(back, 0.999)) <= deviation:
             even = even if even.is_closed else surface
             crowds = crowded(body, asked, len(even.vertices), go_on)
-            return _kept(surface, surface, deviation, detail, go_on) if crowds else even
+            return _kept(surface, Kept(surface, np.full(len(surface.vertices), 0.5 * detail)), deviation, detail, go_on) if crowds else even
         edge *= 0.8
         if edge < own <= asked:
-            return _kept(surface, surface, deviation, detail, go_on)
+            return _kept(surface, Kept(surface, np.full(len(surface.vertices), 0.5 * detail)), deviation, detail, go_on)
 
 
-def _kept(surface: SurfaceMesh, exaggerated: SurfaceMesh, deviation: float, detail: float, go_on: CancelCheck) -> SurfaceMesh:
-    """The surface in its own triangles; of more than KEPT, those that its exaggerated relief needs least are given up.
+def _kept(surface: SurfaceMesh, keep: Kept, deviation: float, detail: float, go_on: CancelCheck) -> SurfaceMesh:
+    """The surface in its own triangles; of more than the least of KEPT, those that its exaggerated relief needs least are given up.
 
     Low ones go in any case, as far as that moves the surface by no more than `deviation` [mm]. Even triangles of the same number round
-    the edges of a relief off. The more a relief is exaggerated, the less is left for the shape of the part: less exaggerated where a
-    detail larger than `detail` [mm] would be lost; if none stay closed, all are kept.
+    the edges of a relief off.
     """
-    losses: list[tuple[float, SurfaceMesh]] = []
-    for share in TOL.exaggeration if len(surface.faces) > KEPT else ():
-        high = surface.moved(surface.vertices + share * (exaggerated.vertices - surface.vertices))
-        fewer = decimated(high, KEPT, go_on)
-        there = TriangleTree(high.vertices, high.faces).nearest(fewer.vertices)
-        stretch = (high.vertices - surface.vertices)[surface.faces[there.face]]
-        fewer = fewer.moved(fewer.vertices - np.einsum("vi,vij->vj", there.weights, stretch))
-        lost = float(TriangleTree(fewer.vertices, fewer.faces).nearest(surface.vertices).distance.max())
-        if fewer.is_closed:
-            losses.append((lost, fewer))
-            if lost <= detail:
-                break
-    found = min(losses, key=lambda one: one[0])[1] if losses else surface
+    found = surface if len(surface.faces) <= min(KEPT) else _fewest(surface, keep, detail, go_on)
     edge = math.sqrt(4.0 / math.sqrt(3.0) * float(found.face_areas.mean()))
     return without_degenerate(found, min(TOL.low_input * edge, deviation))
+
+
+def _fewest(surface: SurfaceMesh, keep: Kept, detail: float, go_on: CancelCheck) -> SurfaceMesh:
+    """The surface in the fewest of KEPT triangles that stand out of it no further than they may, or in the most of them.
+
+    The more a relief is exaggerated, the less is left for the shape of the part: less exaggerated where a detail larger than `detail` [mm]
+    would be lost; if none stay closed, all are kept.
+    """
+    losses: list[tuple[float, SurfaceMesh]] = []
+    for share in TOL.exaggeration:
+        high = surface.moved(surface.vertices + share * (keep.exaggerated.vertices - surface.vertices))
+        fewer, tree, found = high, TriangleTree(high.vertices, high.faces), None
+        for count in KEPT:
+            fewer = decimated(fewer, count, go_on) if len(fewer.faces) > count else fewer
+            there = tree.nearest(fewer.vertices)
+            stretch = (high.vertices - surface.vertices)[surface.faces[there.face]]
+            low = fewer.moved(fewer.vertices - np.einsum("vi,vij->vj", there.weights, stretch))
+            back = TriangleTree(low.vertices, low.faces).nearest(surface.vertices)
+            lost, out = float(back.distance.max()), np.einsum("vi,vi->v", back.point - surface.vertices, surface.vertex_normals)
+            standing = float(surface.vertex_areas[out > keep.proud].sum())
+            if not low.is_closed or (found is not None and (lost > detail or standing > TOL.standing_out)):
+                break
+            found = lost, low
+        if found is not None:
+            losses.append(found)
+            if found[0] <= detail:
+                break
+    return min(losses, key=lambda one: one[0])[1] if losses else surface
 
 
 def _tidied(vertices: Floats, tets: Indices) -> TetMesh:

@@ -46,6 +46,8 @@ class Tolerances:
 
     # Decimation
     cheap: float = 0.06  # of the edges take part in a round: the others wait to be the cheapest
+    cheap_at_first: float = 0.3  # the same as long as there are …
+    at_first: float = 2.0  # … so many times the triangles wished for
     turn_in_decimation: float = 0.2  # cosine of the angle by which a triangle may turn
     tied: float = 1e-4  # of a quadric's weight, with which a vertex stays in the middle of its edge where planes leave it free
     decimation_rounds: int = 400
@@ -83,6 +85,7 @@ class Tolerances:
     envelope: float = 0.04  # … and fTetWild's boundary its input by this …
     widest_envelope: float = 6e-4  # … or by this share of the diagonal, and improvement that
     lost_detail: float = 0.3  # together they may lose no detail larger than this, the input half of it
+    standing_out: float = 8.0  # [mm²] of the surface, above which kept triangles may not stand out further than they may
     finest_input: int = 20_000  # faces, about; thin parts of much detail would ask for more than can be meshed in a minute
     low_input: float = 0.2  # of an even triangle's edge: lower ones make slivers, which cost steps, and carry no relief
     exaggeration: tuple[float, ...] = (1.0, 0.3, 0.0)  # shares of the exaggeration wished for, at which triangles are chosen to be kept

@@ -291,15 +291,35 @@ def test_triangles_that_are_to_be_kept_are_kept_or_given_up_where_they_are_neede
     x, _, z = block.vertices.T
     relief = np.where(z > 19.9, 0.2 * np.sin(1.5 * x), 0.0)
     ridged, exaggerated = block.displaced(0.5 * relief), block.displaced(4.0 * relief)
-    assert len(module._kept(ridged, exaggerated, 0.2, 1.0, never_cancel).faces) == len(ridged.faces)
-    monkeypatch.setattr(module, "KEPT", len(ridged.faces) // 2)
-    fewer = module._kept(ridged, exaggerated, 0.2, 1.0, never_cancel)
+    keep = any_distance(exaggerated)
+    assert len(module._kept(ridged, keep, 0.2, 1.0, never_cancel).faces) == len(ridged.faces)
+    monkeypatch.setattr(module, "KEPT", (len(ridged.faces) // 2,))
+    fewer = module._kept(ridged, keep, 0.2, 1.0, never_cancel)
     assert fewer.is_closed
-    assert len(fewer.faces) <= module.KEPT
+    assert len(fewer.faces) <= module.KEPT[0]
     assert fewer.volume == pytest.approx(ridged.volume, rel=0.01)
     assert fewer.vertices[:, 2].max() == pytest.approx(ridged.vertices[:, 2].max(), abs=0.05), "as high as the surface, not as exaggerated"
     high = np.mean(fewer.vertices[:, 2] > 19.0), np.mean(ridged.vertices[:, 2] > 19.0)
     assert high[0] > 1.5 * high[1], "the flat sides can spare theirs"
+
+
+def any_distance(exaggerated):
+    return module.Kept(exaggerated, np.full(len(exaggerated.vertices), np.inf))
+
+
+@pytest.mark.parametrize("proud", [0.01, 0.04, 1.0])
+def test_as_many_triangles_are_kept_as_it_takes_to_stand_out_no_further(block, monkeypatch, proud):
+    """The unsafe side: a groove that is filled in makes a section thicker than it is."""
+    x, _, z = block.vertices.T
+    grooved = block.displaced(np.where(z > 19.9, -0.2 * (1.0 + np.sin(1.5 * x)), 0.0))
+    counts = tuple(len(block.faces) // part for part in (2, 4, 8, 16))
+    monkeypatch.setattr(module, "KEPT", counts)
+    fewer = module._kept(grooved, module.Kept(grooved, np.full(len(grooved.vertices), proud)), 0.0, 2.0, never_cancel)
+    off = TriangleTree(fewer.vertices, fewer.faces).nearest(grooved.vertices).point - grooved.vertices
+    out = np.einsum("vi,vi->v", off, grooved.vertex_normals)
+    assert grooved.vertex_areas[out > proud].sum() <= TOL.standing_out
+    kept = next(count for count in counts if count >= len(fewer.faces) > count - len(block.faces) // 32)
+    assert (kept == counts[-1]) == (proud == 1.0)
 
 
 def test_even_triangles_are_no_finer_than_those_that_come_even():
@@ -327,10 +347,10 @@ def test_a_relief_is_exaggerated_no_further_than_the_shape_of_the_part_allows(bl
     relief = np.where(z > z.max() - 0.1, 0.2 * np.sin(1.5 * x) * np.sin(1.7 * y), 0.0)
     knobbed = block.displaced(knob)
     exaggerated = knobbed.moved(knobbed.vertices + block.vertex_normals * (60.0 * relief)[:, None])
-    monkeypatch.setattr(module, "KEPT", len(block.faces) // 16)
+    monkeypatch.setattr(module, "KEPT", (len(block.faces) // 16,))
 
     def lost(detail):
-        fewer = module._kept(knobbed, exaggerated, 0.0, detail, never_cancel)
+        fewer = module._kept(knobbed, any_distance(exaggerated), 0.0, detail, never_cancel)
         return TriangleTree(fewer.vertices, fewer.faces).nearest(knobbed.vertices).distance.max()
 
     assert lost(np.inf) > 0.3

@@ -94,7 +94,7 @@ def test_a_doubt_stands_under_the_table(done):
     assert "mechstyle-warning" not in of_verdict(msgspec.structs.replace(last, doubts=()))
     unsure = msgspec.structs.replace(last, doubts=(Doubt(about="relief", value=0.4),))
     assert "mechstyle-warning" in of_verdict(unsure)
-    assert "the mesh follows only 40% of the relief" in of_verdict(unsure)
+    assert "between the relief the mesh is 40% thicker than the part" in of_verdict(unsure)
 
 
 def test_what_gave_no_answer_has_no_table(done):
