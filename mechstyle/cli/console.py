@@ -11,6 +11,7 @@ import unicodedata
 import warnings
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn, ParamSpec, TypeVar
 
 import msgspec
@@ -167,6 +168,10 @@ class ProgressDisplay:
         self._what = "preparing"
         self._begun = time.monotonic()
         self._warned: set[str] = set()
+
+    def shown(self, path: Path) -> None:
+        """Where a picture of the finished style is, which nothing has tested yet."""
+        self._progress.console.print(f"[dim]the style, not tested yet: {escape(str(path))}[/]")
 
     def stage(self, what: str) -> None:
         """Say what is being done."""

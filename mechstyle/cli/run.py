@@ -34,8 +34,10 @@ app = typer.Typer()
 
 def read_model(model: str | Opened, reading: Settings, *, quiet: bool) -> tuple[Any, str]:
     """The mesh and the name of a model given on the command line, or at hand; its size and repairs are reported on stderr."""
-    from mechstyle.gallery import load  # noqa: PLC0415 — geometry is loaded when a model is wanted
+    from mechstyle.gallery import PREFIX, load  # noqa: PLC0415 — geometry is loaded when a model is wanted
 
+    if isinstance(model, str) and not quiet and not model.startswith(PREFIX):
+        err.print(f"[dim]reading {escape(model)}[/]")
     mesh = load(model, **reading) if isinstance(model, str) else model
     if not quiet:
         for note in mesh.notes:
@@ -78,7 +80,16 @@ def carry_out(
         err.print(f"[dim]{escape(estimated(wanted, vertices).words)}[/]")
     with progress_shown(wanted.schedule.iterations, quiet=as_json) as teller:
         run = started(
-            wanted, mesh, vertices=vertices, out=folder, name=name, device=device, stage=teller.stage, warn=teller.warn, beside=False
+            wanted,
+            mesh,
+            vertices=vertices,
+            out=folder,
+            name=name,
+            device=device,
+            stage=teller.stage,
+            warn=teller.warn,
+            beside=False,
+            shown=teller.shown,
         )
         if wanted.delivery.strengthen and not as_json:
             err.print(f"[dim]part: {escape(run.part.notes[-1])}[/]")

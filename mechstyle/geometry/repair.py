@@ -33,8 +33,8 @@ INSIDE = 0.99
 """A shell that faces inwards is a cavity if this share of it lies within a body; else it is a body inside out."""
 NEARLY, SEEN = 0.96, 0.02
 """Where a face is looked at, from its middle to its corners, and the share of rays that get out from what is seen from outside."""
-LEAST_TIME, FACES_A_SECOND, MOST_TIME = 15.0, 500, 120.0
-"""Seconds for fTetWild, by the number of faces: a few of them that keep it longer are beyond repair."""
+MOST_TIME = 300.0
+"""Processor time for fTetWild [s]: what keeps it longer is beyond repair."""
 
 
 def solids_of(vertices: Floats, faces: NDArray[np.int64], name: str, notes: list[str]) -> list[Any]:
@@ -102,10 +102,9 @@ def _closed(surface: SurfaceMesh, name: str, notes: list[str]) -> Any:
             surface = mend(surface, name, notes)
             body = _accepted(surface)
     if body is None:  # the last resort for surfaces that do not quite meet, or meet three at an edge: what fTetWild takes for the inside
-        time = min(LEAST_TIME + len(surface.faces) / FACES_A_SECOND, MOST_TIME)
         refused, advice = f"{name} is not a closed surface and could not be repaired", "repair it in the program it was made with"
         try:
-            vertices, tets = tetwild(surface.vertices, surface.faces, Settings(0.03 * surface.size, 5e-4), timeout=time)
+            vertices, tets = tetwild(surface.vertices, surface.faces, Settings(0.03 * surface.size, 5e-4), timeout=MOST_TIME)
         except SimulationFailed as error:
             raise BadInput(f"{refused} ({error}); {advice}") from error
         upright = np.where((TetMesh(vertices, tets).volumes < 0)[:, None], tets[:, [0, 2, 1, 3]], tets)
@@ -191,13 +190,22 @@ def _emptied(surface: SurfaceMesh, _name: str, notes: list[str]) -> SurfaceMesh:
     order = np.argsort(edge, kind="stable")
     pairs = order[np.flatnonzero(count[edge[order]] == 2)].reshape(-1, 2) // 3
     patch = _linked(pairs, len(surface.faces)).astype(np.int32)
-    sizes = np.bincount(patch, surface.face_areas).astype(np.float64)
-    hidden = [number for number in np.argsort(sizes) if number in _inner(surface, patch)]
+    inner, sizes = _inner(surface, patch, edge, count), np.bincount(patch, surface.face_areas).astype(np.float64)
+    sides, last = edge.reshape(-1, 3), int(patch.max())
+    faces_of = np.split(np.argsort(patch, kind="stable"), np.cumsum(np.bincount(patch))[:-1])
     dropped: set[int] = set()
-    for tried in ({number} for number in hidden):
-        if _closes(surface, patch, dropped | tried, tried):
-            dropped |= tried
-    if not dropped and hidden and _closes(surface, patch, set(hidden), set(hidden)):
+
+    def closes(faces: NDArray[np.int64], pieces: int) -> bool:
+        """Whether without these faces each of their edges has two others or none, and something is left; then they are gone."""
+        own, uses = np.unique(sides[faces], return_counts=True)
+        if len(dropped) + pieces > last or not np.isin(count[own] - uses, (0, 2)).all():
+            return False
+        count[own] -= uses
+        return True
+
+    hidden = [int(number) for number in np.argsort(sizes) if number in inner]
+    dropped |= {number for number in hidden if closes(faces_of[number], 1)}
+    if not dropped and hidden and closes(np.flatnonzero(np.isin(patch, hidden)), len(hidden)):
         dropped = set(hidden)
     if not dropped:
         return surface
@@ -212,9 +220,8 @@ def _edges_of(surface: SurfaceMesh) -> tuple[NDArray[np.int64], NDArray[np.int64
     return edge.reshape(-1), count
 
 
-def _inner(surface: SurfaceMesh, patch: NDArray[np.int32]) -> set[int]:
-    """The pieces that end at edges of not two faces, and of which nothing is seen from outside."""
-    edge, count = _edges_of(surface)
+def _inner(surface: SurfaceMesh, patch: NDArray[np.int32], edge: NDArray[np.int64], count: NDArray[np.int64]) -> set[int]:
+    """The pieces that end at edges of not two faces, and of which nothing is seen from outside; edges as of `_edges_of`."""
     ending = np.unique(patch[np.flatnonzero(count[edge] != 2) // 3])
     faces = np.flatnonzero(np.isin(patch, ending) & (surface.face_areas > 0.0))
     corners, middles = surface.corners[faces], surface.corners[faces].mean(axis=1, keepdims=True)
@@ -226,14 +233,6 @@ def _inner(surface: SurfaceMesh, patch: NDArray[np.int32]) -> set[int]:
     most = np.zeros(int(patch.max()) + 1)
     np.maximum.at(most, np.repeat(patch[faces], 4), seen)
     return {int(number) for number in ending if most[number] < SEEN}
-
-
-def _closes(surface: SurfaceMesh, patch: NDArray[np.int32], dropped: set[int], now: set[int]) -> bool:
-    """Whether without some pieces every edge of those that are dropped now has two faces or none."""
-    edge, count = _edges_of(surface)
-    of_dropped = np.bincount(edge[np.repeat(np.isin(patch, list(dropped)), 3)], minlength=len(count))
-    left = (count - of_dropped)[edge[np.repeat(np.isin(patch, list(now)), 3)]]
-    return bool(np.isin(left, (0, 2)).all()) and len(dropped) <= int(patch.max())
 
 
 def _plugged(surface: SurfaceMesh, name: str, notes: list[str]) -> SurfaceMesh:

@@ -94,6 +94,13 @@ def stress_note(surface: SurfaceMesh, stress: NDArray[Any], strength: float, row
     return f"{test}: {f'{max(share, 0.001):.1%} of the surface yields' if share else 'nothing yields at the surface'}"
 
 
+def styled_panel(styled: SurfaceMesh, recipe: Recipe, note: str = "") -> Panel:
+    """A styled part in its colours, under its prompt."""
+    from mechstyle.pictures.figure import Panel  # noqa: PLC0415 — as above
+
+    return Panel(styled, f"“{recipe.style.prompt}”", note=note)
+
+
 def checkpoint_panels(
     original: SurfaceMesh, state: Checkpoint, recipe: Recipe,
     measured: Verdict | None, measured_at: int | None, simulation: Simulation | None,
@@ -103,8 +110,6 @@ def checkpoint_panels(
     `measured` is the verdict of the last test that gave an answer, `simulation`, at an iteration; None if none gave one. If a later one
     failed, the picture says so.
     """
-    from mechstyle.pictures.figure import Panel  # noqa: PLC0415 — as above
-
     styled = original.displaced(state.displacement).coloured(state.colour)
     when = "" if measured_at in (None, state.iteration) else f" (iteration {measured_at})"
     row, note = None if measured is None else measured.deciding, ""
@@ -114,7 +119,7 @@ def checkpoint_panels(
         note = f"UNKNOWN: the later test at iteration {state.simulated_at} gave no answer"
     stress = fields.quantities(recipe, measured)[0]
     of_stress = stress_note(styled, state.stress, recipe.test.material.yield_strength, row)
-    panels = [Panel(styled, f"“{recipe.style.prompt}”", note=note)]
+    panels = [styled_panel(styled, recipe, note)]
     panels.append(field_panel(styled, stress, state.stress, title=f"stress{when}", note=of_stress))
     if row is not None and row.test != "published rule" and simulation is not None:
         panels.append(bent_panel(styled, simulation, row, title=f"what stays bent{when}"))

@@ -19,7 +19,7 @@ from mechstyle.records import Recipe
 from mechstyle.records.mesh import SurfaceMesh, TetMesh
 from mechstyle.simulation.part import Origin, Workpiece
 
-BEGUN = re.compile(r"objects|picture-[0-9a-f]{8}\.png|part\.json|\.new-.*")
+BEGUN = re.compile(r"objects|picture-[0-9a-f]{8}\.png|styled\.png|part\.json|\.new-.*")
 """What a run leaves that is stopped while it begins, before it has a lane."""
 
 logger = logging.getLogger(__name__)

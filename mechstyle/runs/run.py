@@ -23,23 +23,37 @@ from mechstyle.loop.engine import Engine, Event, Finished
 from mechstyle.loop.history import measured_at, simulations
 from mechstyle.loop.objects import read_record, to_json
 from mechstyle.loop.store import Entry, Lane, Store, parse_address
-from mechstyle.pictures.panels import Picture, checkpoint_panels, chosen_panels, picture, with_protected
+from mechstyle.pictures.panels import Picture, checkpoint_panels, chosen_panels, picture, styled_panel, with_protected
 from mechstyle.records import Checkpoint, Recipe, Simulation, Verdict
 from mechstyle.records.material import Material
-from mechstyle.records.mesh import QUICK_VERTICES, STANDARD_VERTICES, SurfaceMesh
+from mechstyle.records.mesh import QUICK_VERTICES, STANDARD_VERTICES, Field, SurfaceMesh
 from mechstyle.runs import images
 from mechstyle.runs.export import AS_USUAL, Exported, exported, known_fields
 from mechstyle.runs.folders import PartRecord, default_folder, folder_for
 from mechstyle.runs.printing import Printing
 from mechstyle.runs.recipes import changed, draft, expected
 from mechstyle.runs.session import Session
-from mechstyle.runs.stylizers import finished_relief, stylizer_for
+from mechstyle.runs.stylizers import finished_style, stylizer_for
 from mechstyle.runs.summary import Clock, Summary, summarise
-from mechstyle.simulation.part import Origin, Stage, Warn, Workpiece, bounds_for, cached_memo, fitted, logged, prepare, with_wall_warning
+from mechstyle.simulation.part import (
+    Origin,
+    Shape,
+    Stage,
+    Warn,
+    Workpiece,
+    bounds_for,
+    cached_memo,
+    fitted,
+    logged,
+    prepare,
+    with_wall_warning,
+)
 from mechstyle.simulation.simulator import DropSimulator
 from mechstyle.simulation.strengthen import made_ready
 
 OnEvent = Callable[[Event], None]
+STYLED = "styled.png"
+"""Name of the picture of the finished style in a run directory."""
 
 logger = logging.getLogger(__name__)
 
@@ -333,7 +347,7 @@ def started(
     wanted: Recipe, part: SurfaceMesh | Workpiece, *,
     vertices: int = STANDARD_VERTICES, origin: Origin | None = None, out: str | Path | None = None, name: str = "part",
     device: str = "auto", stage: Stage = no_progress, prepare: Callable[..., Workpiece] = prepare, warn: Warn | None = None,
-    go_on: CancelCheck = never_cancel, beside: bool = True,
+    go_on: CancelCheck = never_cancel, beside: bool = True, shown: Callable[[Path], None] | None = None,
 ) -> Run:  # fmt: skip
     """Begin the run a drafted recipe asks for, or find it where it stopped; `.go()` carries it on.
 
@@ -344,8 +358,19 @@ def started(
         prepare, warn: What prepares a surface, `simulation.part.prepare` or one like it; what takes sentences on thin walls.
         go_on: Asked in between whether to; what it raises ends the work.
         beside: As for `begin`.
+        shown: Called with the path of a picture of the finished style, written before the minutes that tetrahedra may take; None for none.
     """
-    device, clock, relief = resolve_device(device), Clock(), partial(finished_relief, recipe=wanted)
+
+    def relief(shape: Workpiece | Shape, *, go_on: CancelCheck) -> Field | None:
+        style = finished_style(shape, wanted, go_on)
+        if style is not None and shown is not None:
+            place = wanted.on(surface=shape.surface.digest, tetrahedra="")
+            folder = folder_for(Path(default_folder(place) if out is None else out), place, beside=beside)
+            look = styled_panel(shape.surface.displaced(style.relief).coloured(style.colour), wanted)
+            shown(picture([look], title=name).save(folder / STYLED))
+        return None if style is None else style.relief
+
+    device, clock = resolve_device(device), Clock()
     prepare = with_wall_warning(prepare, wanted.delivery.minimum_wall, warn)
     with clock.stages(stage) as begun:
         origin = Origin.of(part, vertices) if isinstance(part, SurfaceMesh) else origin

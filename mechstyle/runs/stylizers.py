@@ -192,12 +192,6 @@ def finished_style(part: Workpiece | Shape, recipe: Recipe, go_on: CancelCheck =
     return FinishedStyle(relief, np.where(bounds.uncoloured, NEUTRAL, aim.colour), bounds.freedom == 0.0, aim.notes)
 
 
-def finished_relief(part: Workpiece | Shape, recipe: Recipe, go_on: CancelCheck = never_cancel) -> Field | None:
-    """The relief of the finished style [mm], shape [vertex_count]; None where only running it tells. What `go_on` raises ends it."""
-    style = finished_style(part, recipe, go_on)
-    return None if style is None else style.relief
-
-
 class Drawing(NamedTuple):
     """What a prompt asks for on a part, and how that was drawn.
 

@@ -69,6 +69,15 @@ def test_run_prints_one_json_object_with_what_the_run_came_to(finished):
     assert 0 < summary["style_loss_ratio"] < 1
 
 
+def test_the_finished_style_is_pictured_before_it_is_tested(finished):
+    line, root, _ = finished
+    assert (root / "styled.png").read_bytes().startswith(b"\x89PNG")
+    (root / "styled.png").unlink()
+    again = line.here(*line.styled, "--out", "part")
+    assert "not tested yet" in again.stderr
+    assert (root / "styled.png").is_file()
+
+
 def test_json_figures_are_those_of_the_store(finished):
     _, root, summary = finished
     run = Run.open(root, "cpu")

@@ -10,7 +10,7 @@ from mechstyle.loop.engine import retained_share
 from mechstyle.records.mesh import TetMesh
 from mechstyle.records.recipe import SIDES
 from mechstyle.runs.recipes import changed, plan
-from mechstyle.runs.stylizers import drawing_of, finished_relief, stylizer_for
+from mechstyle.runs.stylizers import drawing_of, finished_style, stylizer_for
 from mechstyle.simulation.part import Shape, Workpiece, bounds_for
 from mechstyle.styling.dimensions import outwards
 from mechstyle.styling.learned.weights import verified
@@ -77,14 +77,15 @@ def test_a_style_that_is_drawn_can_be_stopped_at_every_tool_and_drawn_afterwards
         return go_on
 
     whole, part = (Shape(ball.surface.moved(ball.surface.vertices), ball.thickness) for _ in range(2))  # of which nothing is drawn yet
-    whole = finished_relief(whole, recipe, stop_after(10_000))
+    whole = finished_style(whole, recipe, stop_after(10_000)).relief
     assert len(asked) >= least
     for times in range(0, len(asked), 2):
         asked.clear()
         with pytest.raises(InterruptedError):
-            finished_relief(part, recipe, stop_after(times))
-    assert np.array_equal(finished_relief(part, recipe), whole)
-    assert np.array_equal(finished_relief(part, changed(recipe, {"seed": 1})), finished_relief(ball.shape, changed(recipe, {"seed": 1})))
+            finished_style(part, recipe, stop_after(times))
+    assert np.array_equal(finished_style(part, recipe).relief, whole)
+    other = changed(recipe, {"seed": 1})
+    assert np.array_equal(finished_style(part, other).relief, finished_style(ball.shape, other).relief)
 
 
 # --- protected regions ----------------------------------------------------------------------------------------------
@@ -243,7 +244,7 @@ def test_a_ball_has_no_inside_to_leave_plain(ball):
 def test_no_wall_is_cut_below_the_minimum_whatever_side_the_relief_goes_to(ball):
     thin = Workpiece(ball.surface, ball.tets, thickness=np.full(len(ball.surface.vertices), 1.0, np.float32), stands=False)
     for side in SIDES:
-        found = finished_relief(thin, plan(thin, "brick", relief=1.0, side=side))
+        found = finished_style(thin, plan(thin, "brick", relief=1.0, side=side)).relief
         assert found.min() >= -0.101, side
         assert found.max() <= outwards(1.0)
 
@@ -254,7 +255,7 @@ def test_the_plain_inside_of_a_container_is_no_part_of_the_style(mug):
     cup = Workpiece(mug.surface, solid, mug.thickness, stands=True)
     recipe = plan(cup, "brick", freestyle=True)
     stylizer, _ = stylizer_for(cup, recipe)
-    grown = finished_relief(cup, recipe)
+    grown = finished_style(cup, recipe).relief
     for _ in range(200):
         stylizer.step()
     plain = bounds_for(cup, recipe)[0].plain
@@ -271,6 +272,6 @@ def test_the_inside_of_a_container_is_styled_where_the_prompt_says_so(mug, part)
 
 
 def test_lengths_in_the_prompt_are_drawn_unless_the_recipe_has_others(ball):
-    told = finished_relief(ball, plan(ball, "5 mm bricks, 0.6 mm deep", base="free"))
-    assert np.array_equal(told, finished_relief(ball, plan(ball, "brick", feature=5.0, relief=0.6, base="free")))
-    assert np.array_equal(told, finished_relief(ball, plan(ball, "8 mm bricks, 1 mm deep", feature=5.0, relief=0.6, base="free")))
+    told = finished_style(ball, plan(ball, "5 mm bricks, 0.6 mm deep", base="free")).relief
+    assert np.array_equal(told, finished_style(ball, plan(ball, "brick", feature=5.0, relief=0.6, base="free")).relief)
+    assert np.array_equal(told, finished_style(ball, plan(ball, "8 mm bricks, 1 mm deep", feature=5.0, relief=0.6, base="free")).relief)

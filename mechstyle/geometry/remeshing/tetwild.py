@@ -19,7 +19,7 @@ import tempfile
 import types
 import zipfile
 from pathlib import Path
-from time import monotonic, time
+from time import time
 from typing import NamedTuple
 
 import numpy as np
@@ -29,10 +29,9 @@ from mechstyle.errors import SimulationFailed
 from mechstyle.geometry.cancelling import CancelCheck, never_cancel
 from mechstyle.records.mesh import Floats
 
-GRACE = 10.0  # seconds after the limit at which an orphaned worker ends itself
 LOOK = 0.2  # seconds between two looks whether to go on
-PATIENCE = 4.0
-"""The clock may run on for so many times what the processor may: on a busy machine a part was refused that takes a tenth of its time."""
+PATIENCE = 20.0
+"""On Windows, which limits no processor time, the clock may run on for so many times that limit."""
 
 FOLDER = "mechstyle-mesh-"
 """How the temporary folders of workers are called."""
@@ -58,8 +57,8 @@ def tetwild(
 ) -> tuple[Floats, NDArray[np.int32]]:
     """Vertices [mm] and tetrahedra of the inside of a surface, in whatever order and orientation fTetWild leaves them.
 
-    The worker ends after `timeout` seconds of processor time, or PATIENCE times as long by the clock, and is killed when anything is raised
-    here, by `go_on` or Ctrl-C.
+    The worker ends after `timeout` seconds of processor time, however long that takes on a busy machine, and is killed when anything is
+    raised here, by `go_on` or Ctrl-C.
 
     Raises:
         SimulationFailed: If it runs out of time, dies, or finds nothing inside.
@@ -72,15 +71,12 @@ def tetwild(
     with tempfile.TemporaryDirectory(prefix=FOLDER) as name:
         folder = Path(name)
         request, answer = folder / "request.npz", folder / "answer.npz"
-        longest = PATIENCE * timeout
-        np.savez(request, vertices=vertices, faces=faces, processor=timeout, limit=longest + GRACE, **settings._asdict())
+        np.savez(request, vertices=vertices, faces=faces, processor=timeout, **settings._asdict())
         command = [sys.executable, "-m", "mechstyle.geometry.remeshing.tetwild", str(request), str(answer)]
-        try:
-            done = _ended(command, folder, longest, go_on)
-        except subprocess.TimeoutExpired as error:
-            raise _out_of_time(f"{longest:.0f} s") from error
+        done = _ended(command, folder, go_on)
         if hasattr(signal, "SIGXCPU") and done.returncode == -signal.SIGXCPU:
-            raise _out_of_time(f"{timeout:.0f} s of processor time")
+            spent = f"{timeout:.0f} s of processor time"
+            raise SimulationFailed(f"fTetWild was stopped after {spent} without a mesh; the part may have walls or details too fine for it")
         if done.returncode != 0:
             said = done.stderr.decode(errors="replace").strip().splitlines()
             raise SimulationFailed(f"fTetWild failed (exit code {done.returncode}): {said[-1] if said else 'without a word'}")
@@ -94,25 +90,17 @@ def tetwild(
         return inside, tets
 
 
-def _out_of_time(spent: str) -> SimulationFailed:
-    return SimulationFailed(f"fTetWild was stopped after {spent} without a mesh; the part may have walls or details too fine for it")
-
-
-def _ended(command: list[str], folder: Path, timeout: float, go_on: CancelCheck) -> subprocess.CompletedProcess[bytes]:
-    """As `subprocess.run` with a limit in seconds, asking now and then whether to go on."""
-    until = monotonic() + timeout
+def _ended(command: list[str], folder: Path, go_on: CancelCheck) -> subprocess.CompletedProcess[bytes]:
+    """As `subprocess.run`, asking now and then whether to go on."""
     with subprocess.Popen(  # noqa: S603 (this very interpreter, fixed arguments)
         command, cwd=folder, env=_environment(), stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE
     ) as process:
         try:
             while True:
                 go_on()
-                try:
-                    _, said = process.communicate(timeout=max(0.0, min(LOOK, until - monotonic())))
+                with contextlib.suppress(subprocess.TimeoutExpired):
+                    _, said = process.communicate(timeout=LOOK)
                     return subprocess.CompletedProcess(command, process.returncode, stderr=said)
-                except subprocess.TimeoutExpired:
-                    if monotonic() >= until:
-                        raise
         except BaseException:
             process.kill()
             raise
@@ -127,13 +115,11 @@ def _environment() -> dict[str, str]:
 def main(request: str, answer: str) -> None:
     """The other process: fill the surface in the file `request` with the settings in it; write vertices and tets to the file `answer`.
 
-    The system ends it as soon as its parent ends, in whatever way; on other systems than Linux there is the limit.
+    The system ends it as soon as its parent ends, in whatever way; on other systems than Linux there is the limit of its time.
     """
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
     with np.load(request, allow_pickle=False) as asked:
-        # A C thread ends this process even if the parent died and cannot kill it any more.
-        faulthandler.dump_traceback_later(float(asked["limit"]), exit=True)
         _limit_processor_time(math.ceil(asked["processor"]))
         # The package imports pyvista, and with it VTK, for functions that are not used here: an empty module will do.
         sys.modules.setdefault("pyvista", types.ModuleType("pyvista"))
@@ -147,8 +133,10 @@ def main(request: str, answer: str) -> None:
 
 
 def _limit_processor_time(seconds: int) -> None:
-    """Have the system end this process by SIGXCPU when it has computed for so long [s]; on Windows there is only the limit by the clock."""
-    if sys.platform != "win32":
+    """Have the system end this process by SIGXCPU when it has computed for so long [s]; on Windows a C thread does, by the clock."""
+    if sys.platform == "win32":
+        faulthandler.dump_traceback_later(PATIENCE * seconds, exit=True)
+    else:
         import resource  # noqa: PLC0415 (not there on Windows)
 
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))

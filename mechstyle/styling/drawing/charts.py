@@ -15,7 +15,8 @@ import numpy as np
 import scipy.sparse as sp
 
 from mechstyle.records.mesh import Floats, Indices, SurfaceMesh
-from mechstyle.styling.drawing.operators import Complexes, Factors, Operators
+from mechstyle.styling.drawing.multigrid import Grids
+from mechstyle.styling.drawing.operators import Complexes, Operators
 
 KEPT = 8
 """Rows and columns of so many sizes are kept: someone who tries depths and sizes comes back to them."""
@@ -154,8 +155,9 @@ def horizontal_lines(operators: Operators) -> Floats:
     square /= np.maximum(np.abs(square), 1e-12)
     bend = np.einsum("ij,ij->i", normal[operators.tail], normal[operators.head])
     weights = operators.weights * np.maximum(bend, 0.1) ** 4  # a floor should not turn the lines of the wall it meets
-    system = operators.connection(2.0 * operators.transport, weights) + sp.diags_array(trust)
-    root = np.sqrt(Factors(system, operators.order).solve(trust * square))
+    system = turning(operators, weights, 2.0 * operators.transport) + sp.diags_array(np.tile(trust, 2))
+    real, imaginary = Grids(sp.csr_array(system)).solved(np.concatenate([trust * square.real, trust * square.imag])).reshape(2, -1)
+    root = np.sqrt(real + 1j * imaginary)
     root /= np.maximum(np.abs(root), 1e-12)
     lines = root.real[:, None] * x + root.imag[:, None] * y
     against = np.einsum("ij,ij->i", lines, np.where(flat[:, None], axis, wanted)) < 0.0
@@ -184,25 +186,27 @@ def stripes(operators: Operators, direction: Floats, period: float, *, grip: flo
     along = np.einsum("ij,ij->i", operators.edge_vectors, 0.5 * (direction[tail] + sign[:, None] * direction[head]))
     across = along**2 / np.maximum((operators.edge_vectors**2).sum(axis=1), 1e-24)  # an edge may have no length
     weights = operators.weights * np.maximum(agreement**2, 0.01) ** 4 * (grip + (1.0 - grip) * across)
-    # Σ w |ψ_head − M ψ_tail|², M a rotation by the angle between the ends, mirrored where the sign is −1; ψ as (real, imaginary).
-    turn = 2.0 * np.pi / period * along
-    first, second = tail.astype(np.int64), head.astype(np.int64)
-    cosine, sine = weights * np.cos(turn), weights * np.sin(turn)
+    energy = turning(operators, weights, 2.0 * np.pi / period * along, sign)
+    mass = np.tile(operators.mesh.vertex_areas, 2)
+    psi = np.random.default_rng(0).normal(size=2 * count)
+    if start is not None:
+        psi = 1e-3 * psi + np.concatenate([start.real, start.imag])
+    psi = Grids(sp.csr_array(energy + sp.diags_array(1e-6 * mass))).lowest(mass, psi, _INVERSE_ITERATIONS)
+    return np.arctan2(psi[count:], psi[:count]) / (2.0 * np.pi)
+
+
+def turning(operators: Operators, weights: Floats, angles: Floats, sign: Floats | float = 1.0) -> sp.csr_array:
+    """Matrix of Σ w |ψ_head − M ψ_tail|² over the edges, M a rotation by an angle [rad], mirrored where the sign is −1.
+
+    ψ is (real, imaginary); angles, weights and signs have shape [edge_count].
+    """
+    count = len(operators.mesh.vertices)
+    first, second = operators.tail.astype(np.int64), operators.head.astype(np.int64)
+    cosine, sine = weights * np.cos(angles), weights * np.sin(angles)
     blocks = ((0, 0, cosine), (0, 1, -sine), (1, 0, sign * sine), (1, 1, sign * cosine))
     rows = [second + a * count for a, _, _ in blocks] + [first + b * count for _, b, _ in blocks]
     columns = [first + b * count for _, b, _ in blocks] + [second + a * count for a, _, _ in blocks]
     values = [-value for _, _, value in blocks] * 2
     degree, diagonal = np.bincount(first, weights, count) + np.bincount(second, weights, count), np.arange(2 * count)
     index = (np.concatenate([*rows, diagonal]), np.concatenate([*columns, diagonal]))
-    energy = sp.csr_array((np.concatenate([*values, degree, degree]), index), (2 * count, 2 * count))
-
-    mass = np.tile(operators.mesh.vertex_areas, 2)
-    both = np.stack([operators.order, operators.order + count], axis=1).ravel()
-    solver = Factors(energy + sp.diags_array(1e-6 * mass), both)
-    psi = np.random.default_rng(0).normal(size=2 * count)
-    if start is not None:
-        psi = 1e-3 * psi + np.concatenate([start.real, start.imag])
-    for _ in range(_INVERSE_ITERATIONS):
-        psi = solver.solve(mass * psi)
-        psi /= np.sqrt(mass @ psi**2)
-    return np.arctan2(psi[count:], psi[:count]) / (2.0 * np.pi)
+    return sp.csr_array((np.concatenate([*values, degree, degree]), index), (2 * count, 2 * count))

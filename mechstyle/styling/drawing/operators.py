@@ -1,6 +1,6 @@
 """Discrete operators of a triangle surface: cotangent weights, tangent frames, parallel transport, diffusion.
 
-What rests on them: the order in which their systems are solved (nested dissection), and relief that does not fold over itself.
+What rests on them: relief that does not fold over itself.
 """
 
 from __future__ import annotations
@@ -11,12 +11,13 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 from scipy.sparse.csgraph import connected_components, dijkstra
-from scipy.sparse.linalg import SuperLU, splu
+from scipy.sparse.linalg import cg
 
-from mechstyle.records.mesh import Floats, Indices, Scalar, SurfaceMesh
+from mechstyle.records.mesh import Floats, Indices, SurfaceMesh
 
 Complexes = NDArray[np.complex128]
 
+_EXACT = 1e-10  # of a diffused field, what its equation may be off
 _SHARP = float(np.cos(np.radians(20.0)))  # a vertex is on a sharp edge if a face around it leans more than this from its normal
 
 
@@ -106,24 +107,12 @@ class Operators:
         return np.asarray(vectors - along[:, None] * (before + after))
 
     @cached_property
-    def order(self) -> NDArray[np.int64]:
-        """Vertices in the order in which systems over them are solved, shape [vertex_count]."""
-        return dissected(self.mesh.vertices, self.mesh.edges)
-
-    @cached_property
     def laplacian(self) -> sp.csr_array:
         """Positive cotangent Laplacian, shape [vertex_count, vertex_count]."""
-        return self.connection(np.zeros(len(self.tail)), self.weights).real
-
-    def connection(self, angles: Floats, weights: Floats) -> sp.csr_array:
-        """Hermitian matrix of Σ w |z_head − e^{i angle} z_tail|² over the edges."""
         count = len(self.mesh.vertices)
-        degree = np.bincount(self.tail, weights, count) + np.bincount(self.head, weights, count)
-        turn = -weights * np.exp(1j * angles)
-        rows = np.concatenate([self.head, self.tail, np.arange(count)])
-        columns = np.concatenate([self.tail, self.head, np.arange(count)])
-        values = np.concatenate([turn, turn.conj(), degree.astype(np.complex128)])
-        return sp.csr_array((values, (rows, columns)), (count, count))
+        degree = np.bincount(self.tail, self.weights, count) + np.bincount(self.head, self.weights, count)
+        links = sp.csr_array((self.weights, (self.tail, self.head)), (count, count))
+        return sp.csr_array(sp.diags_array(degree) - links - links.T)
 
     @cached_property
     def ring_mean(self) -> sp.csr_array:
@@ -144,9 +133,9 @@ class Operators:
     def diffused(self, values: Floats, length: float) -> Floats:
         """Values [n] or [n, k] smoothed over `length` [mm]: one implicit step of heat flow."""
         heat_flow = sp.csr_array(sp.diags_array(self.mesh.vertex_areas) + 0.5 * length**2 * self.laplacian)
-        solver = Factors(heat_flow, self.order)
-        areas = self.mesh.vertex_areas if values.ndim == 1 else self.mesh.vertex_areas[:, None]
-        return np.asarray(solver.solve(areas * values))
+        columns, inverse = np.atleast_2d(values.T), sp.diags_array(1.0 / heat_flow.diagonal())
+        found = [cg(heat_flow, self.mesh.vertex_areas * one, x0=one, rtol=_EXACT, M=inverse)[0] for one in columns]
+        return np.stack(found, axis=-1).reshape(values.shape)
 
     def components(self, together: NDArray[np.bool_]) -> Indices:
         """Label of the piece each vertex is in, when only the edges marked `together` [edge_count] hold."""
@@ -182,62 +171,3 @@ def unfolded(operators: Operators, displacement: Floats) -> Floats:
         moved[around] = True
         nearby = np.flatnonzero(moved[mesh.faces].any(axis=1) & with_area)  # no other face has turned since
     return lowered
-
-
-LEAST = 64
-"""A piece of so many vertices is not cut again."""
-
-
-def dissected(points: Floats, edges: Indices) -> NDArray[np.int64]:
-    """Vertices in an order that keeps the factors of matrices over a surface small (George 1973), shape [n].
-
-    Every piece is halved across its longest extent; the vertices of one half that touch the other come after both. The factors hold a fifth
-    less than after minimum degree, and come in less than half of the time.
-    """
-    (one, other), count = edges.T, len(points)
-    piece, key = np.zeros(count, np.int64), np.zeros(count, np.int64)
-    while True:
-        # Pieces of more than LEAST vertices are halved, and counted anew; the vertices of the others leave theirs.
-        held = np.flatnonzero(piece >= 0)
-        _, label, sizes = np.unique(piece[held], return_inverse=True, return_counts=True)
-        piece[held] = np.where(sizes[label] > LEAST, label, -1)
-        large = held[sizes[label] > LEAST]
-        if not len(large):
-            return np.argsort(key, kind="stable")
-        here = large[np.argsort(piece[large], kind="stable")]
-        place, size = _places(points[here], piece[here])
-        later = np.zeros(count, bool)
-        later[here] = 2 * place >= size
-        across = (piece[one] >= 0) & (piece[one] == piece[other]) & (later[one] != later[other])
-        between = np.where(later[one], other, one)[across]
-        key = 3 * key + later
-        key[between] = key[between] // 3 * 3 + 2
-        piece = np.where(piece >= 0, 2 * piece + later, -1)
-        piece[between] = -1
-
-
-def _places(points: Floats, piece: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Rank of each point along the longest extent of its piece, and how many are in that piece; `piece` is sorted."""
-    first = np.flatnonzero(np.diff(piece, prepend=-1))
-    size = np.diff(first, append=len(piece))
-    longest = (np.maximum.reduceat(points, first) - np.minimum.reduceat(points, first)).argmax(axis=1)
-    along = points[np.arange(len(points)), np.repeat(longest, size)]
-    place = np.empty(len(points), np.int64)
-    place[np.lexsort((along, piece))] = np.arange(len(points)) - np.repeat(first, size)
-    return place, np.repeat(size, size)
-
-
-class Factors:
-    """Sparse factors of a symmetric positive matrix, real or complex, shape [n, n], eliminated in an order of its rows."""
-
-    def __init__(self, matrix: sp.sparray, order: NDArray[np.integer]) -> None:
-        self._order = order
-        inner = sp.csr_array(matrix)[order][:, order]
-        options = {"SymmetricMode": True}
-        self._factors: SuperLU = splu(sp.csc_array(inner), permc_spec="NATURAL", diag_pivot_thresh=0.0, options=options)
-
-    def solve(self, right: NDArray[Scalar]) -> NDArray[Scalar]:
-        """The solution for a right-hand side, shape [n] or [n, k]."""
-        solution = np.empty_like(right)
-        solution[self._order] = self._factors.solve(right[self._order])
-        return solution

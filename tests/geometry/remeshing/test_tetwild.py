@@ -15,7 +15,7 @@ from manifold3d import Manifold
 from mechstyle.errors import SimulationFailed
 from mechstyle.geometry.remeshing import tetwild as module
 from mechstyle.geometry.remeshing.evening import surface_of
-from mechstyle.geometry.remeshing.tetwild import PATIENCE, Settings, tetwild
+from mechstyle.geometry.remeshing.tetwild import Settings, tetwild
 from mechstyle.records.mesh import TetMesh
 
 
@@ -80,10 +80,11 @@ def test_whoever_waits_may_end_it_and_is_asked_again_and_again(box, monkeypatch)
     assert next(looks, None) is None
 
 
-def test_a_worker_that_takes_too_long_by_the_clock_is_ended(box, monkeypatch):
-    answering(monkeypatch, "import time; time.sleep(600)")
-    with pytest.raises(SimulationFailed, match="stopped after 2 s without"):
-        tetwild(box.vertices, box.faces, Settings(8.0, 1e-3), timeout=2.0 / PATIENCE)
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows limits no processor time")
+def test_a_worker_that_waits_longer_than_it_may_compute_is_not_ended(box, monkeypatch):
+    """A busy machine: parts were read or refused by what else it did."""
+    answering(monkeypatch, "import sys, numpy; numpy.savez(sys.argv[2], vertices=numpy.eye(4, 3), tets=[[0, 1, 2, 3]])")
+    assert len(tetwild(box.vertices, box.faces, Settings(8.0, 1e-3), timeout=1e-4)[1]) == 1, "it takes longer to start"
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows limits no processor time")

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from mechstyle.runs.recipes import draft
-from mechstyle.runs.stylizers import finished_relief
+from mechstyle.runs.stylizers import finished_style
 from mechstyle.simulation.part import Shape
 from mechstyle_widgets.jupyter import prepare
 from mechstyle_widgets.jupyter.prepare import shape_aside
@@ -76,7 +76,7 @@ def test_the_style_is_that_of_the_run_unrestrained(prepared, sphere):
         await asker.news()
         made = asker.shown[0]
         assert asker.previewer.ready(sphere, 25_000) is made.shape.surface
-        np.testing.assert_array_equal(made.style.relief, finished_relief(made.shape, recipe))
+        np.testing.assert_array_equal(made.style.relief, finished_style(made.shape, recipe).relief)
         np.testing.assert_allclose(made.surface.vertices, sphere.displaced(made.style.relief).vertices)
         assert np.ptp(made.surface.colours, axis=0).max() > 0.1
 

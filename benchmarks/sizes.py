@@ -1,0 +1,96 @@
+"""Whether other numbers of tetrahedra come to the same outcome: every part of the gallery, in a style without feedback, with each number.
+
+python benchmarks/sizes.py --sizes 8000 25000 --jobs 14 --json sizes.json   # all parts in brick, 100 000 vertices
+python benchmarks/sizes.py --sizes 8000 25000 wall_hook --vertices 25000    # one of them
+"""
+
+from __future__ import annotations
+
+import argparse
+import multiprocessing
+import os
+import tempfile
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import replace
+from itertools import combinations
+from pathlib import Path
+
+import msgspec
+
+from mechstyle import gallery
+from mechstyle.errors import MechStyleError
+from mechstyle.geometry.remeshing import filling
+from mechstyle.records.mesh import STANDARD_VERTICES
+from mechstyle.runs.run import stylize
+from mechstyle.simulation import part
+
+
+class Found(msgspec.Struct):
+    """What became of a part with a number of tetrahedra.
+
+    Attributes:
+        outcome, sure: Of its verdict.
+        bends: What stays bent of the plain and of the styled part by landing [mm].
+        tetrahedra: Those of the styled part.
+        thicker: Share by which they make a wall thicker.
+        seconds: Processor time with meshing [s].
+    """
+
+    outcome: str
+    sure: bool
+    bends: dict[str, tuple[float, float]]
+    tetrahedra: int
+    thicker: float
+    seconds: float
+
+
+def found(name: str, size: int, prompt: str, vertices: int) -> Found:
+    """One part with one number of tetrahedra, from an empty cache: as many triangles are kept as these make, whatever the relief needs."""
+    part.TETS, filling.KEPT = size, (round(0.75 * size),)
+    filling.TOL = replace(filling.TOL, finest_input=size)
+    began = sum(os.times()[:4])
+    with tempfile.TemporaryDirectory() as folder:
+        os.environ["MECHSTYLE_CACHE"] = str(Path(folder, "cache"))
+        run = stylize(gallery.make(name), prompt, freestyle=True, vertices=vertices, out=Path(folder, "run"), device="cpu")
+        rows = {row.landing: (row.plain_permanent_set or 0.0, row.permanent_set) for row in run.verdict.rows}
+        simulation, count = run.simulation(), len(run.part.tets.tets)
+        verdict = run.verdict
+    return Found(verdict.outcome, verdict.sure, rows, count, simulation.thicker, round(sum(os.times()[:4]) - began, 1))
+
+
+def main() -> None:
+    """Measure, and say where sure outcomes differ."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("models", nargs="*", help="names; all of the gallery unless told")
+    parser.add_argument("--sizes", type=int, nargs="+", default=[part.TETS, 25_000])
+    parser.add_argument("--prompt", default="brick")
+    parser.add_argument("--vertices", type=int, default=STANDARD_VERTICES)
+    parser.add_argument("--jobs", type=int, default=1)
+    parser.add_argument("--json", type=Path, help="where the figures are kept, and what was measured before is found")
+    given = parser.parse_args()
+    known = msgspec.json.decode(given.json.read_bytes(), type=dict[str, Found]) if given.json and given.json.is_file() else {}
+    os.environ |= {"MECHSTYLE_THREADS": "1", "OMP_NUM_THREADS": "1"} if given.jobs > 1 else {}
+    names = given.models or gallery.names()
+    wanted = [(name, size) for size in given.sizes for name in names if f"{name} {size}" not in known]
+    with ProcessPoolExecutor(given.jobs, mp_context=multiprocessing.get_context("spawn"), max_tasks_per_child=1) as pool:
+        waiting = {pool.submit(found, *one, given.prompt, given.vertices): one for one in wanted}
+        for job in as_completed(waiting):
+            name, size = waiting[job]
+            try:
+                known[f"{name} {size}"] = job.result()
+            except MechStyleError as error:
+                print(f"{name} {size}: {error}", flush=True)
+                continue
+            print(name, size, known[f"{name} {size}"], flush=True)
+            if given.json:
+                given.json.write_bytes(msgspec.json.format(msgspec.json.encode(known, order="sorted"), indent=1))
+    for one, other in combinations(given.sizes, 2):
+        pairs = [(known[f"{name} {one}"], known[f"{name} {other}"]) for name in names if {f"{name} {one}", f"{name} {other}"} <= set(known)]
+        sure = [(a, b) for a, b in pairs if a.sure and b.sure]
+        print(
+            f"{one} and {other}: {sum(a.outcome == b.outcome for a, b in sure)} of {len(sure)} sure outcomes agree, of {len(pairs)} parts"
+        )
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,78 @@
+"""Systems of two numbers a vertex: what stays of a grid, what is interpolated, and what comes out beside a direct solution."""
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+from scipy.sparse.linalg import eigsh, spsolve
+
+from mechstyle.styling.drawing import multigrid
+from mechstyle.styling.drawing.charts import turning
+from mechstyle.styling.drawing.multigrid import Grids, independent, interpolation
+
+
+@pytest.fixture(scope="module")
+def wave(holder_operators):
+    """A phase that grows along x, the matrix in which its wave costs nothing, and masses."""
+    operators, mesh = holder_operators, holder_operators.mesh
+    phase = 0.9 * mesh.vertices[:, 0]
+    matrix = turning(operators, operators.weights, phase[operators.head] - phase[operators.tail])
+    return np.concatenate([np.cos(phase), np.sin(phase)]), matrix, np.tile(mesh.vertex_areas, 2)
+
+
+def test_of_two_neighbours_at_most_one_stays_and_of_every_neighbourhood_at_least_one(holder_operators):
+    links = sp.csr_array(holder_operators.ring_mean)
+    stays = independent(links)
+    one, other = links.nonzero()
+    assert not np.any(stays[one] & stays[other])
+    assert np.all(stays | (links @ stays.astype(float) > 0.0))
+
+
+def test_a_wave_that_costs_nothing_is_interpolated_as_it_is(wave):
+    """However short it is beside the distance of the vertices that stay."""
+    known, matrix, _ = wave
+    assert np.abs(matrix @ known).max() < 1e-9
+    finer, count = interpolation(matrix), len(known) // 2
+    there = np.flatnonzero(np.diff(finer.indptr)[:count] == 1)
+    stays = there[np.argsort(finer[there].indices)]
+    assert finer @ known[np.concatenate([stays, stays + count])] == pytest.approx(known, abs=1e-9)
+
+
+def test_a_mirrored_wave_is_interpolated_mirrored(holder_operators, wave):
+    """Arrows of a line field may point against each other across an edge: phases are compared with their negatives there."""
+    known, _, _ = wave
+    operators, count = holder_operators, len(known) // 2
+    turned = np.random.default_rng(0).random(count) < 0.5
+    phase = np.where(turned, -1.0, 1.0) * 0.9 * operators.mesh.vertices[:, 0]
+    sign = np.where(turned[operators.tail] == turned[operators.head], 1.0, -1.0)
+    matrix = turning(operators, operators.weights, sign * phase[operators.head] - phase[operators.tail], sign)
+    mirrored = np.concatenate([np.cos(phase), np.sin(phase)])
+    assert np.abs(matrix @ mirrored).max() < 1e-9
+    finer = interpolation(matrix)
+    there = np.flatnonzero(np.diff(finer.indptr)[:count] == 1)
+    stays = there[np.argsort(finer[there].indices)]
+    assert finer @ mirrored[np.concatenate([stays, stays + count])] == pytest.approx(mirrored, abs=1e-9)
+
+
+def test_on_grids_a_system_is_solved_as_directly(wave, monkeypatch):
+    _, matrix, mass = wave
+    system = sp.csr_array(matrix + 0.05 * sp.diags_array(mass))
+    right = mass * np.random.default_rng(0).normal(size=len(mass))
+    monkeypatch.setattr(multigrid, "FEWEST", 200)
+    grids = Grids(system)
+    assert len(grids.matrices) > 2
+    direct = spsolve(system.tocsc(), right)
+    assert np.linalg.norm(grids.solved(right) - direct) < 0.01 * np.linalg.norm(direct)
+
+
+def test_on_grids_the_lowest_wave_is_nearly_as_smooth_as_there_is_one(holder_operators, monkeypatch):
+    """Stripes of 9 mm round a pen holder, whose wave must break somewhere."""
+    operators = holder_operators
+    along = np.einsum("ij,j->i", operators.edge_vectors, [0.6, 0.0, 0.8])
+    angles = 2.0 * np.pi / 9.0 * along + 0.1 * np.sin(operators.mesh.vertices[operators.tail, 2])
+    system = turning(operators, operators.weights, angles)
+    mass = np.tile(operators.mesh.vertex_areas, 2)
+    system = sp.csr_array(system + sp.diags_array(1e-6 * mass))
+    monkeypatch.setattr(multigrid, "FEWEST", 200)
+    found = Grids(system).lowest(mass, np.random.default_rng(0).normal(size=len(mass)), 10)
+    least = eigsh(system.tocsc(), k=1, M=sp.diags_array(mass).tocsc(), sigma=0.0)[0][0]
+    assert found @ (system @ found) / (found @ (mass * found)) < 1.5 * least
