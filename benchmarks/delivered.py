@@ -81,7 +81,7 @@ def found(cell: str, style: str, device: str) -> Found:
 
 def told(verdict):  # noqa: ANN001, ANN201 — a Verdict, whose module is imported in the processes that use it
     """What a verdict comes to."""
-    return Told(verdict.outcome, verdict.sure, {row.name: row.permanent_set for row in verdict.rows})
+    return Told(verdict.outcome, verdict.sure, {row.load or row.landing: row.permanent_set for row in verdict.rows})
 
 
 def table(all_found: Sequence[Found]) -> Iterator[str]:

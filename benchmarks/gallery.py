@@ -16,10 +16,10 @@ from concurrent.futures import ProcessPoolExecutor, as_completed
 from pathlib import Path
 
 import msgspec
+from sheets import model_sheet
 
 from mechstyle import gallery
 from mechstyle.errors import MechStyleError
-from mechstyle.gallery.style_sheet import model_sheet
 from mechstyle.records import sentences
 from mechstyle.records.mesh import STANDARD_VERTICES
 from mechstyle.simulation.part_test import simulate

@@ -15,8 +15,8 @@ from pathlib import Path
 
 import msgspec
 import numpy as np
+from sheets import Specimen, lettered, png
 
-from mechstyle.gallery.style_sheet import Specimen, lettered, png
 from mechstyle.geometry.remeshing.evening import surface_of
 from mechstyle.pictures.colormap import PLAIN
 from mechstyle.pictures.scene import BACKGROUND, Camera, render

@@ -23,10 +23,10 @@ from typing import Any
 
 import msgspec
 from PIL import Image
+from sheets import model_sheet
 
 import mechstyle as ms
 from mechstyle._files import write_whole
-from mechstyle.gallery.style_sheet import model_sheet
 from mechstyle.pictures.panels import Picture
 from mechstyle.runs.run import Run
 from mechstyle.simulation.physics import PHYSICS_VERSION

@@ -19,10 +19,10 @@ from typing import Any, cast
 import msgspec
 import numpy as np
 import trimesh
+from sheets import Specimen
 
 import mechstyle as ms
 from mechstyle.gallery import names
-from mechstyle.gallery.style_sheet import Specimen
 from mechstyle.geometry.files import save
 from mechstyle.loop.bounds import unrestrained_relief
 from mechstyle.runs.printing import Printing, write_for_printing

@@ -3,7 +3,7 @@
 from mechstyle import lab as lab
 from mechstyle.errors import BadInput as BadInput, MechStyleError as MechStyleError
 from mechstyle.gallery import load as load
-from mechstyle.gallery.style_sheet import styles as styles
+from mechstyle.gallery.swatches import styles as styles
 from mechstyle.geometry.files import save as save
 from mechstyle.records import Recipe as Recipe, Verdict as Verdict
 from mechstyle.records.load_cases import Load as Load, LoadCase as LoadCase, Support as Support
@@ -15,6 +15,5 @@ from mechstyle.runs.protection import protect as protect
 from mechstyle.runs.run import Run as Run, stylize as stylize
 from mechstyle.runs.stylizers import register_stylizer as register_stylizer
 from mechstyle.simulation.part_test import PartTest as PartTest, simulate as simulate
-from mechstyle.simulation.strengthen import strengthen as strengthen
 
 __version__: str

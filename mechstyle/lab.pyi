@@ -32,5 +32,4 @@ from mechstyle.runs.run import begin as begin
 from mechstyle.runs.session import Session as Session
 from mechstyle.simulation.part import Model as Model, Workpiece as Workpiece, prepare as prepare
 from mechstyle.simulation.simulator import DropSimulator as DropSimulator
-from mechstyle.simulation.strengthen import Strengthened as Strengthened
 from mechstyle.styling.drawn import ProceduralStylizer as ProceduralStylizer, Target as Target

@@ -110,9 +110,8 @@ def report_verdict(verdict: Verdict) -> None:
     if verdict.rows:
         headings, rows = sentences.tabulated(verdict)
         made = table(*headings)
-        for row, cells in zip(verdict.rows, rows, strict=True):  # pale where a test does not decide
-            outcome = verdict_text(row.outcome, sure=row.sure) if row.decides else f"[dim]{escape(cells[-1])}[/]"
-            made.add_row(*map(escape, cells[:-1]), outcome)
+        for row, cells in zip(verdict.rows, rows, strict=True):
+            made.add_row(*map(escape, cells[:-1]), verdict_text(row.outcome, sure=row.sure))
         out.print(made)
     if verdict.doubt:
         out.print(f"[{COLOURS['UNKNOWN']}]{escape(verdict.doubt)}[/]")
@@ -165,7 +164,7 @@ class ProgressDisplay:
         """Start the bar."""
         self._progress = progress
         self._task = progress.add_task("preparing", total=iterations)
-        self._what = "preparing"
+        self._what, self._done = "preparing", 0.0
         self._begun = time.monotonic()
         self._warned: set[str] = set()
 
@@ -175,7 +174,7 @@ class ProgressDisplay:
 
     def stage(self, what: str) -> None:
         """Say what is being done."""
-        self._what = what
+        self._what, self._done = what, 0.0
         self._progress.update(self._task, description=what)
 
     def step(self, what: str) -> None:
@@ -184,8 +183,9 @@ class ProgressDisplay:
         self._progress.advance(self._task)
 
     def fraction(self, done: float) -> None:
-        """Say how far the drop in hand is."""
-        self._progress.update(self._task, description=f"{self._what} {done:4.0%}")
+        """Say how far the stage in hand is, of whose drops each begins anew: what was said is never taken back."""
+        self._done = max(self._done, done)
+        self._progress.update(self._task, description=f"{self._what} {self._done:4.0%}")
 
     def line(self) -> None:
         """Print what is being done, for who sees no bar."""

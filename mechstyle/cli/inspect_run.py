@@ -51,7 +51,7 @@ def log_command(
         rows = table("iteration", "outcome", "in the worst test", "reason", title=lane_title(lane))
         for line in lane.simulations:
             outcome = verdict_text(line.outcome, sure=line.sure)
-            figures = sentences.stress(line.stress, line.limit)
+            figures = "–" if line.stress is None else f"{line.stress:.1f} of {line.limit:.1f} MPa"
             if line.permanent_set is not None and line.allowed is not None:
                 figures = f"{sentences.bend(line.permanent_set)} of {sentences.bend(line.allowed)}"
             rows.add_row(str(line.iteration), outcome, figures, escape(line.reason))

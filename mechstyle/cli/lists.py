@@ -2,15 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from pathlib import Path
-from typing import Annotated, Any
-
 import typer
 
-from mechstyle.cli.console import command, escape, out, print_json, progress_shown, table
+from mechstyle.cli.console import command, escape, out, print_json, table
 from mechstyle.cli.options import Json
-from mechstyle.errors import BadInput
 
 app = typer.Typer()
 
@@ -41,20 +36,11 @@ def materials_command(as_json: Json = False) -> None:
 
 @app.command("styles")
 @command
-def styles_command(
-    sheet: Annotated[Path | None, typer.Option(help="PNG to write: every style on five parts, coloured and grey; takes minutes.")] = None,
-    as_json: Json = False,
-) -> None:
+def styles_command(as_json: Json = False) -> None:
     """List the offline styles and the words that call them."""
     from mechstyle.styling.library import library  # noqa: PLC0415 — loaded when wanted
     from mechstyle.styling.vocabulary import called  # noqa: PLC0415 — as above
 
-    if sheet is not None:
-        from mechstyle.gallery.style_sheet import PARTS, contact_sheet  # noqa: PLC0415 — as above
-
-        with progress_shown(len(PARTS) + len(library()), quiet=as_json) as teller:
-            _save(sheet, "styles", lambda: contact_sheet(stage=teller.step), as_json=as_json)
-        return
     known = library().values()
     if as_json:
         found = [{"name": s.name, "words": called(s.name), "description": s.description, "feature_mm": s.feature_mm} for s in known]
@@ -66,27 +52,12 @@ def styles_command(
     out.print(rows)
 
 
-def _save(path: Path, what: str, draw: Callable[[], Any], *, as_json: bool) -> None:
-    """Write a sheet of pictures, if it can be written there."""
-    if path.suffix.lower() != ".png" or not path.absolute().parent.is_dir():
-        raise BadInput(f"the sheet of {what} cannot be written to {path}: name a .png file in a folder that exists")
-    written = str(draw().save(path))
-    print_json({"files": {"sheet": written}}) if as_json else out.print(escape(written))
-
-
 @app.command("gallery")
 @command
-def gallery_command(
-    sheet: Annotated[Path | None, typer.Option(help="PNG to write: a picture of every model.")] = None, as_json: Json = False
-) -> None:
+def gallery_command(as_json: Json = False) -> None:
     """List the built-in parametric models, what one learns from each, what to protect of it and what it carries."""
     from mechstyle.gallery import entry, names  # noqa: PLC0415 — loaded when wanted
 
-    if sheet is not None:
-        from mechstyle.gallery.style_sheet import model_sheet  # noqa: PLC0415
-
-        _save(sheet, "models", model_sheet, as_json=as_json)
-        return
     known = {name: entry(name) for name in names()}
     if as_json:
         models = [

@@ -44,8 +44,7 @@ def simulate_command(
     vertices: Vertices = STANDARD_VERTICES,
     device: Device = "auto",
     folder: Annotated[Path | None, typer.Option("--out", help="Folder for pictures and files; the current one by default.")] = None,
-    vtu: Annotated[bool, typer.Option("--vtu", help="Write displacement, stress and contact for ParaView.")] = False,
-    vtu_each: Annotated[bool, typer.Option("--vtu-each", help="The same, with stress and contact of every orientation.")] = False,
+    vtu: Annotated[bool, typer.Option("--vtu", help="Write what stays bent, stress and contact in the body for ParaView.")] = False,
     as_json: Json = False,
 ) -> None:
     """Drop a part without styling it, and load it with --load; compare it with the plain part with --original."""
@@ -59,20 +58,20 @@ def simulate_command(
             measured=lambda shape: teller.warn(shape.too_thin(settings.get("minimum_wall", DEFAULTS["minimum_wall"]))),
         )  # fmt: skip
         teller.stage("writing files")
-        files = _written(dropped, folder or Path(), name, vtu=vtu or vtu_each, each=vtu_each)
+        files = _written(dropped, folder or Path(), name, vtu=vtu)
     if as_json:
         print_json(_figures(dropped, files))
     else:
         _report(dropped, files)
 
 
-def _written(dropped: PartTest, folder: Path, name: str, *, vtu: bool, each: bool) -> dict[str, str]:
+def _written(dropped: PartTest, folder: Path, name: str, *, vtu: bool) -> dict[str, str]:
     """Write pictures and, if wanted, the file for ParaView; their paths by what they are. A failed drop has no history."""
     files = {"picture": dropped.show().save(folder / f"{name}-stress.png")}
     if dropped.course is not None:
         files["history"] = dropped.show_history().save(folder / f"{name}-history.png")
         if vtu:
-            files["vtu"] = dropped.save_vtu(folder / f"{name}.vtu", each_orientation=each)
+            files["vtu"] = dropped.save_vtu(folder / f"{name}.vtu")
     return {what: str(path) for what, path in files.items()}
 
 

@@ -54,18 +54,6 @@ class Element:
         """Number of nodes."""
         return len(self.mass_shares)
 
-    def at_corners(self, values: ArrayLike) -> Floats:
-        """A quantity at the corners, shape [..., 4], from what it is at the Gauss points, none of it negative, shape [..., points].
-
-        Linear in a quadratic element, constant in a linear one. Of running maxima each was reached at another moment, so a line through
-        them was never there: what it gives is kept between 0 and `OVERSHOOT` times the largest.
-        """
-        at_points = np.asarray(values, dtype=np.float64)
-        if self.points == 1:
-            return np.repeat(at_points, 4, axis=-1)
-        line = (at_points - GAUSS_B * at_points.sum(axis=-1, keepdims=True)) / (GAUSS_A - GAUSS_B)
-        return np.clip(line, 0.0, OVERSHOOT * at_points.max(axis=-1, keepdims=True))
-
 
 def _quadratic_derivatives(L: Floats) -> Floats:
     """∂N_a/∂L_i of the quadratic element at points of given barycentric coordinates, [n, 4], shape [n, 10, 4]."""
@@ -131,3 +119,16 @@ def with_nodes(tets: TetMesh, element: Element) -> ElementMesh:
     _, number = np.unique(ends, axis=0, return_inverse=True)
     middle = len(tets.vertices) + number.reshape(-1, len(EDGES)).astype(np.int32)
     return ElementMesh(tets, element, np.concatenate([tets.tets, middle], axis=1))
+
+
+def at_corners(values: ArrayLike) -> Floats:
+    """A quantity at the corners, shape [..., 4], from what it is at the Gauss points, none of it negative, shape [..., points].
+
+    Linear in a quadratic element, constant in a linear one. Of running maxima each was reached at another moment, so a line through
+    them was never there: what it gives is kept between 0 and `OVERSHOOT` times the largest.
+    """
+    at_points = np.asarray(values, dtype=np.float64)
+    if at_points.shape[-1] == 1:
+        return np.repeat(at_points, 4, axis=-1)
+    line = (at_points - GAUSS_B * at_points.sum(axis=-1, keepdims=True)) / (GAUSS_A - GAUSS_B)
+    return np.clip(line, 0.0, OVERSHOOT * at_points.max(axis=-1, keepdims=True))

@@ -18,6 +18,7 @@ from scipy.sparse.csgraph import connected_components
 
 from mechstyle.errors import SimulationFailed
 from mechstyle.fea.discretisation import Discretisation
+from mechstyle.fea.elements import at_corners
 from mechstyle.fea.linear_solvers import FreeBody
 from mechstyle.records.mesh import Bools, Floats, TetMesh
 from mechstyle.records.simulation import Place
@@ -30,13 +31,6 @@ STEPS = 50
 
 APART = 1e-6
 """Least difference between the corner values of a tetrahedron, over the largest: the volume above a level divides by it."""
-
-
-class Exceeded(NamedTuple):
-    """A value that a volume exceeds, and a place in the largest piece of that volume, near its centre [mm]."""
-
-    value: float
-    where: Place
 
 
 class Measured(NamedTuple):
@@ -131,22 +125,23 @@ def quantile(values: ArrayLike, volumes: Floats, volume: float) -> float:
     return float(points.ravel()[order[min(int(np.searchsorted(held, volume, side="right")), len(order) - 1)]])
 
 
-def at_nodes(tets: TetMesh, corners: ArrayLike) -> Floats:
-    """Volume-weighted mean at each vertex, shape [vertex_count], of values at corners of tetrahedra, shape [tet_count, 4]."""
+def at_vertices(tets: TetMesh, points: ArrayLike) -> Floats:
+    """Volume-weighted mean at each vertex, shape [vertex_count], of values at the Gauss points, shape [tet_count, points]."""
     volumes, count = np.repeat(tets.volumes, 4), len(tets.vertices)
-    nodes, values = tets.tets.ravel(), np.asarray(corners, np.float64).ravel()
+    nodes, values = tets.tets.ravel(), at_corners(points).ravel()
     weights = np.bincount(nodes, volumes, count)
     return np.bincount(nodes, volumes * values, count) / np.where(weights > 0.0, weights, 1.0)
 
 
-def exceeded(tets: TetMesh, nodal: ArrayLike, volume: float) -> Exceeded:
-    """The value that more than a volume [mm³] exceeds; the smallest if the part has no more than that.
+def exceeded(tets: TetMesh, nodal: ArrayLike, volume: float) -> tuple[float, Place]:
+    """The value that more than a volume [mm³] exceeds, and a place in the largest piece of it, near its centre [mm].
 
-    `nodal` are the values at its vertices, shape [vertex_count], between which they are linear in each tetrahedron.
+    It is the smallest value if the part has no more than that volume. `nodal` are the values at its vertices, shape [vertex_count], between
+    which they are linear in each tetrahedron.
     """
     values = np.sort(np.asarray(nodal, np.float64)[tets.tets], axis=1)
     if not np.isfinite(values).all():
-        return Exceeded(float("nan"), (0.0, 0.0, 0.0))
+        return float("nan"), (0.0, 0.0, 0.0)
     volumes = tets.volumes
     low, high = float(values.min()), float(values.max())
     for _ in range(STEPS):
@@ -155,7 +150,7 @@ def exceeded(tets: TetMesh, nodal: ArrayLike, volume: float) -> Exceeded:
         more = float((volumes[reached] * share_above(values[reached], middle)).sum()) > volume
         low, high = (middle, high) if more else (low, middle)
     there = values[:, 3] >= low
-    return Exceeded(high, _middle(tets, there, volumes[there] * share_above(values[there], low)))
+    return high, _middle(tets, there, volumes[there] * share_above(values[there], low))
 
 
 def _middle(tets: TetMesh, which: Bools, held: Floats) -> Place:

@@ -10,8 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
-from typing import Protocol
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -59,11 +58,33 @@ def longest(period: float) -> float:
     return MOST_PERIODS * period + MOST_BESIDES
 
 
-class Camera(Protocol):
-    """Takes pictures of the first drop; see `Track.displacement`."""
+@dataclass
+class Film:
+    """Moments [ms since first touch] of a drop, at most so many: if there are more, every second is merged into the one after it."""
+
+    most: int
+    times: list[float] = field(default_factory=list)
+    moved: list[NDArray[np.float32]] = field(default_factory=list)
+    peaks: list[NDArray[np.float32]] = field(default_factory=list)
+    _in_each: int = 1
+    _taken: int = 0
 
     def take(self, time: float, displacement: Floats, peak: NDArray[np.float32]) -> None:
-        """At a moment [ms] displacements [mm], [node_count, 3], and largest stress since the one before [MPa], [tet_count, points]."""
+        """One more."""
+        if len(self.times) == self.most and self._taken % self._in_each == 0:
+            last = len(self.times) - 1
+            kept = [min(index + 1, last) for index in range(0, last + 1, 2)]  # half of them are left
+            self.times, self.moved = [self.times[later] for later in kept], [self.moved[later] for later in kept]
+            self.peaks = [np.maximum(self.peaks[later - later % 2], self.peaks[later]) for later in kept]
+            self._in_each *= 2
+        moved = displacement.astype(np.float32)
+        if self._taken % self._in_each:
+            self.times[-1], self.moved[-1], self.peaks[-1] = time, moved, np.maximum(self.peaks[-1], peak)
+        else:
+            self.times.append(time)
+            self.moved.append(moved)
+            self.peaks.append(peak)
+        self._taken += 1
 
 
 @dataclass(frozen=True)
@@ -281,7 +302,7 @@ class Track:
         return ""
 
 
-def follow(body: Body, scheme: Scheme, tracks: Sequence[Track], progress: Callable[[float], None], camera: Camera | None = None) -> None:
+def follow(body: Body, scheme: Scheme, tracks: Sequence[Track], progress: Callable[[float], None], camera: Film | None = None) -> None:
     """Carry drops through all their phases: all first ones, then all second ones, and so on; a camera looks at the first drop.
 
     Args:
@@ -306,7 +327,7 @@ def follow(body: Body, scheme: Scheme, tracks: Sequence[Track], progress: Callab
             track.fly()
 
 
-def _jobs(body: Body, scheme: Scheme, starts: Starts, tracks: Sequence[Track], camera: Camera | None) -> list[Job]:
+def _jobs(body: Body, scheme: Scheme, starts: Starts, tracks: Sequence[Track], camera: Film | None) -> list[Job]:
     """Jobs for as many tracks as starts."""
     jobs: list[Job] = []
     first = 0
@@ -319,7 +340,7 @@ def _jobs(body: Body, scheme: Scheme, starts: Starts, tracks: Sequence[Track], c
 class _Phase:
     """A phase of some drops side by side, a `Job`; a drop is closed when its rule fires, and the others go on."""
 
-    def __init__(self, body: Body, scheme: Scheme, batch: Batch, tracks: Sequence[Track], camera: Camera | None) -> None:
+    def __init__(self, body: Body, scheme: Scheme, batch: Batch, tracks: Sequence[Track], camera: Film | None) -> None:
         self._body, self._scheme, self._batch, self._tracks, self._camera = body, scheme, batch, tracks, camera
         self._open, self._done, self._ahead = list(range(len(tracks))), 0, 0
         self._before = [track.samples[-1][-1].copy() for track in tracks]
@@ -363,7 +384,7 @@ class _Phase:
         starts = Starts(starts.normals, starts.heights, u[self._open], v[self._open], self._batch.plastic()[self._open])
         return _jobs(self._body, self._scheme, starts, tracks, self._camera)
 
-    def _picture(self, camera: Camera) -> None:
+    def _picture(self, camera: Film) -> None:
         """What the first drop looks like; the maximum of its stress begins anew."""
         track, peak = self._tracks[0], self._batch.peak()[0]
         camera.take(track.time, track.displacement(self._batch.motion()[0][0]), peak)

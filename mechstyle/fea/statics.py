@@ -21,14 +21,15 @@ from mechstyle.errors import BadInput, SimulationFailed
 from mechstyle.fea.discretisation import discretise
 from mechstyle.fea.drop import GRAVITY
 from mechstyle.fea.elasticity import displacement_gradients, equivalent_stress, stiffness_matrix, trace
-from mechstyle.fea.elements import Element, ElementMesh, element_named, with_nodes
+from mechstyle.fea.elements import ElementMesh, element_named, with_nodes
 from mechstyle.fea.explicit import Progress, no_progress
 from mechstyle.fea.linear_solvers import Solver, linear_fields
 from mechstyle.fea.loading import Held, Outcome, Ramp
-from mechstyle.fea.permanent_set import Springback, at_nodes, measured
+from mechstyle.fea.permanent_set import Springback, at_vertices, measured
 from mechstyle.records.load_cases import RESTING_FACE, LoadCase, Patch, Place, Support
 from mechstyle.records.material import Material
 from mechstyle.records.mesh import Bools, Floats, Indices, SurfaceMesh, TetMesh, in_ball, on_floor
+from mechstyle.records.simulation import LoadResult
 
 Across = tuple[float, float, float]
 """Normal of printed layers over their share of the strength; zero for a material without layers."""
@@ -227,27 +228,13 @@ class Loaded:
     """A load case: put on slowly and taken off; of an elastic body, its response.
 
     Attributes:
-        permanent_set: Displacement that more than a small volume keeps [mm], see `fea.permanent_set`.
-        plastic_strain: Plastic strain in tension that such a volume exceeds.
-        where: A place of the largest piece that stays bent [mm].
-        maximum: Largest stress at a point of an element under the load [MPa].
-        deflection: Largest displacement under the load [mm].
-        factor: Times the load up to which it is in balance and no more than the tolerance stays bent.
-        reached: Whether it gives way there; if not, it was loaded no further.
-        collapses: Whether nothing balances the load: it buckles, or a hinge forms.
+        result: Its figures, without the place in words.
         stress: Largest stress on the way to the load, at the vertices [MPa], shape [vertex_count].
         strain: Plastic strain there, shape [vertex_count].
         displacement: What stays bent [mm], shape [vertex_count, 3].
     """
 
-    permanent_set: float
-    plastic_strain: float
-    where: tuple[float, float, float]
-    maximum: float
-    deflection: float
-    factor: float
-    reached: bool
-    collapses: bool
+    result: LoadResult
     stress: Floats
     strain: Floats
     displacement: Floats
@@ -374,19 +361,18 @@ class StaticTest:
             BadInput: As `run`.
             SimulationFailed: If the equations cannot be solved.
         """
-        element = element_named(self.element)
-        body = discretise(tets, material, 0.0, element)
+        body = discretise(tets, material, 0.0, element_named(self.element))
         springback = Springback(body)
         found = dict[str, Loaded]()
         for number, (name, response, part) in enumerate(self._solved(tets, material, across)):
             if elastic:
-                found[name] = _elastically(tets, element, response)
+                found[name] = _elastically(tets, name, response)
                 continue
             held = Held(body, part.restraint.basis, part.solver.nearly, across)
             first = material.yield_strength / max(float(response.von_mises.max()), 1e-30)
             ramp = Ramp(held, springback, response.loads, tolerance)
             outcome = ramp.put_on(first, partial(_share, progress, number, len(self.cases)))
-            found[name] = _loaded(tets, element, outcome, tolerance)
+            found[name] = _loaded(tets, name, outcome, tolerance)
         return found
 
     def _solved(self, tets: TetMesh, material: Material, across: Across) -> Iterator[tuple[str, Response, _HeldPart]]:
@@ -446,7 +432,7 @@ class StaticTest:
         return restraints
 
 
-def _loaded(tets: TetMesh, element: Element, outcome: Outcome, tolerance: float) -> Loaded:
+def _loaded(tets: TetMesh, name: str, outcome: Outcome, tolerance: float) -> Loaded:
     """What a load did, in figures and at the vertices."""
     at = outcome.at
     permanent_set, where, plastic_strain = at.figures
@@ -454,20 +440,21 @@ def _loaded(tets: TetMesh, element: Element, outcome: Outcome, tolerance: float)
         if not at.permanent.any():  # it buckles and springs back: where it gives way is where it moves
             where = measured(tets, at.displacement[: len(tets.vertices)], at.strain).where
         permanent_set = max(permanent_set, BEYOND * tolerance)
-    stress, strain = (at_nodes(tets, element.at_corners(field)) for field in (outcome.stress, at.strain))
-    return Loaded(
-        permanent_set, plastic_strain, where, float(outcome.stress.max()), float(np.linalg.norm(at.displacement, axis=1).max()),
-        outcome.factor, outcome.reached, outcome.collapses, stress, strain, at.permanent,
+    result = LoadResult(
+        name=name, permanent_set=permanent_set, plastic_strain=plastic_strain, where=where, maximum=float(outcome.stress.max()),
+        deflection=float(np.linalg.norm(at.displacement, axis=1).max()), factor=outcome.factor, reached=outcome.reached,
+        collapses=outcome.collapses,
     )  # fmt: skip
+    return Loaded(result, at_vertices(tets, outcome.stress), at_vertices(tets, at.strain), at.permanent)
 
 
-def _elastically(tets: TetMesh, element: Element, response: Response) -> Loaded:
+def _elastically(tets: TetMesh, name: str, response: Response) -> Loaded:
     """A response as what a load does to a part that never yields."""
-    stress, nothing = at_nodes(tets, element.at_corners(response.von_mises)), np.zeros(len(tets.vertices))
-    return Loaded(
-        0.0, 0.0, (0.0, 0.0, 0.0), float(response.von_mises.max()), response.deflection, 1.0, reached=False, collapses=False,
-        stress=stress, strain=nothing, displacement=np.zeros_like(tets.vertices),
+    result = LoadResult(
+        name=name, permanent_set=0.0, plastic_strain=0.0, where=(0.0, 0.0, 0.0), maximum=float(response.von_mises.max()),
+        deflection=response.deflection, factor=1.0, reached=False,
     )  # fmt: skip
+    return Loaded(result, at_vertices(tets, response.von_mises), np.zeros(len(tets.vertices)), np.zeros_like(tets.vertices))
 
 
 def _share(progress: Progress, number: int, count: int, done: float) -> None:

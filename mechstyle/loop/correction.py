@@ -73,12 +73,25 @@ class Correction:
     standing: Bools
 
     def tries(self, finished: Field, found: Finding) -> Generator[Try, Finding, None]:
-        """The reliefs to test, one after the other; what each test found is sent back.
+        """The reliefs to test, one after the other, none twice; what each test found is sent back.
 
         Args:
             finished: The finished relief [mm], shape [vertex_count].
             found: What its test found.
         """
+        tested, search = {finished.tobytes(): found}, self._wanted_tries(finished, found)
+        wanted = next(search, None)
+        while wanted is not None:
+            relief = wanted[0].tobytes()
+            if relief not in tested:
+                tested[relief] = yield wanted
+            try:
+                wanted = search.send(tested[relief])
+            except StopIteration:
+                return
+
+    def _wanted_tries(self, finished: Field, found: Finding) -> Generator[Try, Finding, None]:
+        """Those of `tries`, some perhaps twice."""
         passed = finished if found.passes else None
         failed: Field | None = None
         if self.kept(self.wanted) - self.kept(finished) >= MIN_GAIN:  # masks hold back what half a relief overloads, not the finished one

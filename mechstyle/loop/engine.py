@@ -310,7 +310,7 @@ class Engine:
         """What the test of a state found, as a correction looks at it."""
         verdict = state.verdict
         assert verdict is not None, "what is corrected was simulated"
-        worst, failing = verdict.deciding, [row for row in verdict.rows if row.decides and row.outcome == "FAILS"]
+        worst, failing = verdict.deciding, [row for row in verdict.rows if row.outcome == "FAILS"]
         if worst is None or not failing:
             return correction.Finding(verdict.passes, float("inf") if worst is None else worst.used)
         simulation = self.store.objects.get_record(state.simulation, Simulation)

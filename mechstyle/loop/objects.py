@@ -17,7 +17,7 @@ import zlib
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import msgspec
 import numpy as np
@@ -218,3 +218,21 @@ class Memo:
         """Store the result of the inputs named by `key`, unless it is there already and can be read; `anew` even then."""
         if anew or self.recall(key, type(result)) is None:
             write_whole(self.folder / key, self.objects.put_record(result).encode("ascii"))
+
+
+class Memos(NamedTuple):
+    """Several memos, the most trusted first: others may have written a run folder, so only what is computed here is for all of them."""
+
+    all: tuple[Memo, ...]
+
+    def recall(self, key: str, kind: type[T]) -> T | None:
+        """As that of the first memo that knows; the last then knows, too."""
+        found = next((one for memo in self.all if (one := memo.recall(key, kind)) is not None), None)
+        if found is not None:
+            self.all[-1].remember(key, found)
+        return found
+
+    def remember(self, key: str, result: object) -> None:
+        """Store what was computed here in all of them."""
+        for memo in self.all:
+            memo.remember(key, result)

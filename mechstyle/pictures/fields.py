@@ -90,8 +90,9 @@ def stress(strength: float, row: Row | None = None) -> Quantity:
 
 def stress_in(row: Row, strength: float) -> Quantity:
     """Stress in the landing or under the load of a row against the yield strength [MPa]."""
-    named = f"stress_{re.sub('[^A-Za-z0-9]+', '_', row.name).strip('_')}"  # what any file can call it by
-    return replace(stress(strength, row), name=named, title=f"stress, {row.name}", label=f"von Mises stress, {sentences.label(row)}")
+    test = row.load or row.landing
+    named = f"stress_{re.sub('[^A-Za-z0-9]+', '_', test).strip('_')}"  # what any file can call it by
+    return replace(stress(strength, row), name=named, title=f"stress, {test}", label=f"von Mises stress, {sentences.label(row)}")
 
 
 def moment(strength: float) -> Quantity:
@@ -129,7 +130,6 @@ RESTRAINT = Quantity(
     formed=lambda mask: 1.0 - mask,
 )  # fmt: skip
 DISPLACEMENT = Quantity("displacement", "displacement along the normal", "mm", note="positive is outwards", mirrored=True)
-ADDED = Quantity("added", "added along the normal", "mm", least=(0.0, 0.1), note="what strengthening put on")
 THICKNESS = Quantity("thickness", "wall thickness", "mm", title="wall thickness")
 CONTACT = Quantity(
     "contact", "touched the floor", least=(0.0, 1.0), note="1 = touched the floor as placed",

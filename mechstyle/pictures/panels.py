@@ -83,7 +83,8 @@ def bent_panel(surface: SurfaceMesh, simulation: Simulation, row: Row, *, title:
     factor = exaggeration(max(row.permanent_set, EDGE * float(values.max())), surface.size)
     shape = surface.moved(surface.vertices + np.float32(factor) * bend)
     drawn = f", drawn × {factor}" if factor > 1 else ""
-    panel = field_panel(shape, quantity, values, title=title + drawn, note=sentences.figures(row))
+    note = f"{sentences.figures(row)}; shown is the last shape that bore the load" if row.collapses else sentences.figures(row)
+    panel = field_panel(shape, quantity, values, title=title + drawn, note=note)
     return replace(panel, marked=False)  # a vertex is off by more than the volume that is judged
 
 

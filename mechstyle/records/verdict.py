@@ -6,10 +6,11 @@ A landing or a load is one row. What decides is the permanent set, a length that
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Literal
 
 import msgspec
+from msgspec.structs import replace
 
 from mechstyle.records import sentences
 from mechstyle.records.recipe import Recipe
@@ -26,9 +27,6 @@ REPEATS, REPEATS_SHARE = 0.02, 0.1
 
 LITERAL_REPEATS = 0.15
 """The same share of the largest stress in an element, which the published rule reads."""
-
-SHORT = 20
-"""Characters of a prompt that serves as the name of its style."""
 
 MEASURE = 1
 """Counts measures that outcomes rest on; an outcome of another is none."""
@@ -50,13 +48,11 @@ class Row(msgspec.Struct, frozen=True, kw_only=True):
         plastic_strain, plain_plastic_strain: Plastic strain in tension, of the part and its original; cracks are where it exceeds
             `elongation`.
         elongation: Elongation at break of the material.
-        cracks: Whether it cracks.
-        collapses: Whether it comes to no rest under its load.
-        carries: Times the load that it carries within the tolerance, None for a landing.
-        most_tried: Whether it was loaded no further than that.
+        cracks, collapses: Whether it cracks; whether it comes to no rest under its load.
+        carries, most_tried: Times the load that it carries within the tolerance, None for a landing; whether no more was tried.
         where, place: Where it stays bent, [mm] and in words.
         stress, limit: Of the published rule alone: the largest stress in an element and the yield strength [MPa].
-        decides: Whether the row counts for the outcome.
+        decides: Whether the row counts for the outcome, as every row does.
     """
 
     test: Test
@@ -111,11 +107,6 @@ class Row(msgspec.Struct, frozen=True, kw_only=True):
         if self.outcome == "FAILS":  # one sure failure is enough
             return (bend and self.permanent_set > self.allowed) or (strain and self.plastic_strain > self.strain_limit)
         return bend and strain
-
-    @property
-    def name(self) -> str:
-        """Name of the landing or load."""
-        return self.load or self.landing
 
 
 class Doubt(msgspec.Struct, frozen=True, kw_only=True):
@@ -189,12 +180,12 @@ class Verdict(msgspec.Struct, frozen=True, kw_only=True):
 
     @property
     def deciding(self) -> Row | None:
-        """The worst of the rows that decide, None where nothing could be tested."""
+        """The worst of the rows, None where nothing could be tested."""
 
         def worse(row: Row) -> tuple[int, float]:  # of what holds, "at worst" is said of millimetres, whatever the strain
             return _SEVERITY[row.outcome], row.permanent_set if row.outcome == "HOLDS" and row.stress is None else row.used
 
-        return max((row for row in self.rows if row.decides), key=worse, default=None)
+        return max(self.rows, key=worse, default=None)
 
     def row(self, *, landing: str = "", load: str = "") -> Row | None:
         """The row of a landing or a load, None if there is none."""
@@ -231,7 +222,7 @@ def judge(simulation: Simulation, original: Simulation | None, recipe: Recipe) -
         original: The same test of the unstyled part; None for a part that is tested by itself.
         recipe: What was asked for.
     """
-    test, named = recipe.test, 0 < len(recipe.style.prompt) <= SHORT
+    test, named = recipe.test, 0 < len(recipe.style.prompt) <= 20  # characters that serve as the name of a style
     empty = Verdict(
         outcome="UNKNOWN", criterion=test.criterion, fall=test.height, tolerance=test.tolerance, strength=test.material.yield_strength,
         material=test.material.label, style="" if original is None else recipe.style.prompt if named else "styled",
@@ -239,14 +230,11 @@ def judge(simulation: Simulation, original: Simulation | None, recipe: Recipe) -
     )  # fmt: skip
     if empty.failure:
         return empty
-    if test.criterion == "paper":
-        rows: tuple[Row, ...] = (_published(simulation, recipe),)
-    else:
-        landings = (_row(one, None if original is None else original.landing(one.name), recipe) for one in simulation.landings)
-        loads = (_row(one, None if original is None else original.load(one.name), recipe) for one in simulation.loads)
-        rows = (*landings, *loads)
+    landings = (_row(one, None if original is None else original.landing(one.name), recipe) for one in simulation.landings)
+    loads = (_row(one, None if original is None else original.load(one.name), recipe) for one in simulation.loads)
+    rows = (_published(simulation, recipe),) if test.criterion == "paper" else (*landings, *loads)
     outcome = max((row.outcome for row in rows), key=_SEVERITY.__getitem__)
-    return msgspec.structs.replace(empty, outcome=outcome, rows=rows, doubts=tuple(_doubts(rows, outcome, simulation, original)))
+    return replace(empty, outcome=outcome, rows=rows, doubts=tuple(_doubts(rows, outcome, simulation, original)))
 
 
 def _failure(simulation: Simulation, original: Simulation | None, recipe: Recipe) -> str:
@@ -271,48 +259,43 @@ def _failure(simulation: Simulation, original: Simulation | None, recipe: Recipe
 def _row(found: Landing | LoadResult, plain: Landing | LoadResult | None, recipe: Recipe) -> Row:
     """The row of a landing or a load, beside the same of the original."""
     tolerance, elongation = recipe.test.tolerance, recipe.test.material.elongation
-    allowed = tolerance if plain is None else max(tolerance, plain.permanent_set + MORE_THAN_PLAIN)
-    cracks, collapses = found.plastic_strain > elongation, isinstance(found, LoadResult) and found.collapses
-    plain_cracks = plain is not None and plain.plastic_strain > elongation
-    plain_collapses = isinstance(plain, LoadResult) and plain.collapses
+    (cracks, collapses), (plain_cracks, plain_collapses) = (
+        (one is not None and one.plastic_strain > elongation, isinstance(one, LoadResult) and one.collapses) for one in (found, plain)
+    )
+    row = Row(
+        test="load", outcome="FAILS", permanent_set=found.permanent_set, plastic_strain=found.plastic_strain, elongation=elongation,
+        allowed=tolerance if plain is None else max(tolerance, plain.permanent_set + MORE_THAN_PLAIN),
+        plain_permanent_set=None if plain is None else plain.permanent_set, cracks=cracks, collapses=collapses,
+        plain_plastic_strain=None if plain is None else plain.plastic_strain, where=found.where, place=found.place,
+    )  # fmt: skip
     outcome: Outcome = "FAILS"
     if found.permanent_set <= tolerance and not cracks and not collapses:
         outcome = "HOLDS"
-    elif plain is not None and found.permanent_set <= allowed and cracks <= plain_cracks and collapses <= plain_collapses:
+    elif plain is not None and found.permanent_set <= row.allowed and cracks <= plain_cracks and collapses <= plain_collapses:
         outcome = "NO WORSE"
-    landing, load = (None, found) if isinstance(found, LoadResult) else (found, None)
-    return Row(
-        test="load" if landing is None else landing.way, landing="" if landing is None else landing.name,
-        load="" if load is None else load.name, outcome=outcome, permanent_set=found.permanent_set, allowed=allowed,
-        plain_permanent_set=None if plain is None else plain.permanent_set, plastic_strain=found.plastic_strain,
-        plain_plastic_strain=None if plain is None else plain.plastic_strain, elongation=elongation, cracks=cracks, collapses=collapses,
-        carries=None if load is None else load.factor, most_tried=load is not None and not load.reached, where=found.where,
-        place=found.place,
-    )  # fmt: skip
+    if isinstance(found, LoadResult):
+        return replace(row, outcome=outcome, load=found.name, carries=found.factor, most_tried=not found.reached)
+    return replace(row, outcome=outcome, test=found.way, landing=found.name)
 
 
 def _published(simulation: Simulation, recipe: Recipe) -> Row:
     """The row of the published rule: the largest stress in an element, flat and under loads, against the yield strength."""
-    strength, maximum = recipe.test.material.yield_strength, max(simulation.maximum, 1e-9)
-    return Row(
-        test="published rule", landing=simulation.landings[0].name, outcome="HOLDS" if maximum <= strength else "FAILS",
-        stress=maximum, limit=strength,
-    )  # fmt: skip
+    limit, stress = recipe.test.material.yield_strength, max(simulation.maximum, 1e-9)
+    outcome: Outcome = "HOLDS" if stress <= limit else "FAILS"
+    return Row(test="published rule", landing=simulation.landings[0].name, outcome=outcome, stress=stress, limit=limit)
 
 
-def _doubts(rows: Iterable[Row], outcome: Outcome, simulation: Simulation, original: Simulation | None) -> Iterable[Doubt]:
+def _doubts(rows: Sequence[Row], outcome: Outcome, simulation: Simulation, original: Simulation | None) -> Iterable[Doubt]:
     """Why an outcome is not sure: one sure failure settles it, and what passes may not hide anything."""
-    rows = tuple(rows)
     if outcome == "FAILS" and any(row.outcome == "FAILS" and row.sure for row in rows):
         return
-    for row in rows:
-        if not row.sure and (row.outcome == "FAILS" or outcome != "FAILS"):
-            yield Doubt(about="limit", test=row.test, landing=row.landing, load=row.load, value=row.used)
+    for row in (one for one in rows if not one.sure and (one.outcome == "FAILS" or outcome != "FAILS")):
+        yield Doubt(about="limit", test=row.test, landing=row.landing, load=row.load, value=row.used)
     if outcome == "FAILS":
         return
-    asked = {one.name for one in (() if original is None else original.landings)}  # of a growing relief, which falls in few of them
-    missing = asked - {one.name for one in simulation.landings}
-    if missing and not any(row.test == "published rule" for row in rows):
+    asked = {one.name for one in original.landings} if original is not None and rows[0].stress is None else set()
+    missing = asked - {one.name for one in simulation.landings}  # a growing relief falls in few of them
+    if missing:
         yield Doubt(about="landings", value=float(len(missing)), of=len(asked))
     if not simulation.thicker <= THICKER:
         yield Doubt(about="relief", value=simulation.thicker)

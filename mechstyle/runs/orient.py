@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from functools import cached_property
 from typing import NamedTuple
 
 import msgspec
@@ -22,7 +21,6 @@ from mechstyle.records import Recipe, Simulation, judge
 from mechstyle.records.regions import Point
 from mechstyle.runs.run import Run
 from mechstyle.simulation.part import Stage
-from mechstyle.simulation.simulator import DropSimulator
 
 COUNT = 6
 """Ways up that are compared, at most."""
@@ -81,15 +79,38 @@ def ways_up(
     if not 1 <= count <= 26:
         raise BadInput(f"{count} ways up: compare 1 to 26")
     state, recipe = run.checkpoint(iteration), run.store.recipe(run.checkpoint(iteration).recipe)
-    mesh = run.surface(iteration)
+    mesh, test, material = run.surface(iteration), recipe.test, recipe.test.material
     plain = run.record.droppable(run.part, run.store.root / "part.json").surface  # whose flat sides are flat
     ways = resting(plain.vertices, plain.centre_of_mass, count)
-    known = _Layers(run, recipe, run.simulation(iteration), state.displacement, stage, progress)
+    dropped = dict[Point, Worst]()
+
+    def worst(up: Point) -> Worst | None:
+        """The worst test for layers along a direction; None if the material's layers are not known."""
+        x, y, z = up
+        down = (0.0 - x, 0.0 - y, 0.0 - z)
+        if material.layer_ratio is None:
+            return None
+        if material.layer_ratio == 1.0 or test.build_direction in (up, down):
+            return _worst(run.simulation(iteration), recipe)
+        axis = max(up, down)
+        if axis not in dropped:
+            stage(f"drop with layers along ({axis[0]:g}, {axis[1]:g}, {axis[2]:g})")
+            simulator = run.simulator(recipe, progress)
+            body, _ = simulator.meshes.carrier(state.displacement)
+            layered = recipe.with_settings(build_direction=axis).on(tetrahedra=body.tets.digest)
+            simulator = replace(simulator, part=replace(simulator.part, tets=body.tets, at=body.at), recipe=layered)
+            dropped[axis] = _worst(simulator.simulate(state.displacement, thorough=True), layered)
+        return dropped[axis]
+
     found = [
-        WayUp(name=_called(name, up), up=up, permanent_set=worst and worst.bend, used=worst and worst.used, **standing(mesh, up)._asdict())
-        for name, up, worst in ((name, up, known.worst(up)) for name, up in zip(ways.names, map(_rounded, ways.normals), strict=True))
+        WayUp(name=_called(name, up), up=up, permanent_set=its and its.bend, used=its and its.used, **standing(mesh, up)._asdict())
+        for name, up, its in ((name, up, worst(up)) for name, up in zip(ways.names, map(_rounded, ways.normals), strict=True))
     ]
-    return WaysUp(ways=tuple(sorted(found, key=lambda way: way.rank)), layers=known.words, drops=known.drops)
+    source = material.layer_source or material.source
+    layers = f"strength across layers of {material.label} is not known, so ways up are ranked by overhang and height only"
+    if material.layer_ratio is not None:
+        layers = f"across its layers {material.label} bears {material.layer_ratio:g} of what it bears along them ({source})"
+    return WaysUp(ways=tuple(sorted(found, key=lambda way: way.rank)), layers=layers, drops=len(dropped))
 
 
 def _rounded(normal: np.ndarray) -> Point:
@@ -112,50 +133,6 @@ class Worst(NamedTuple):
 
     bend: float
     used: float
-
-
-class _Layers:
-    """What stays bent of a part after its landings and loads, for layers along any direction."""
-
-    def __init__(self, run: Run, recipe: Recipe, last: Simulation, displacement: np.ndarray, stage: Stage, progress: Progress) -> None:
-        """Begin with what the run knows; drops are made when they are asked for."""
-        self._recipe, self._last, self._displacement, self._stage = recipe, last, displacement, stage
-        self._run, self._progress = run, progress
-        self._known: dict[Point, Worst] = {}
-        self.drops = 0
-
-    @cached_property
-    def _simulator(self) -> DropSimulator:
-        return self._run.simulator(self._recipe, self._progress)
-
-    @property
-    def words(self) -> str:
-        """What is assumed of layers."""
-        material = self._recipe.test.material
-        if material.layer_ratio is None:
-            return f"strength across layers of {material.label} is not known, so ways up are ranked by overhang and height only"
-        source = material.layer_source or material.source
-        return f"across its layers {material.label} bears {material.layer_ratio:g} of what it bears along them ({source})"
-
-    def worst(self, up: Point) -> Worst | None:
-        """The worst test for layers along a direction; None if the material's layers are not known."""
-        ratio = self._recipe.test.material.layer_ratio
-        if ratio is None:
-            return None
-        x, y, z = up
-        down = (0.0 - x, 0.0 - y, 0.0 - z)
-        if ratio == 1.0 or self._recipe.test.build_direction in (up, down):
-            return _worst(self._last, self._recipe)
-        axis = max(up, down)
-        if axis not in self._known:
-            self._stage(f"drop with layers along ({axis[0]:g}, {axis[1]:g}, {axis[2]:g})")
-            body, _ = self._simulator.meshes.carrier(self._displacement)
-            recipe = self._simulator.recipe.with_settings(build_direction=axis).on(tetrahedra=body.tets.digest)
-            self.drops += 1
-            part = replace(self._simulator.part, tets=body.tets, at=body.at)
-            layered = replace(self._simulator, part=part, recipe=recipe)
-            self._known[axis] = _worst(layered.simulate(self._displacement, thorough=True), recipe)
-        return self._known[axis]
 
 
 def _worst(simulation: Simulation, recipe: Recipe) -> Worst:

@@ -12,7 +12,10 @@ import msgspec
 
 from mechstyle.loop.engine import Engine, Event, SimulationStarted
 from mechstyle.loop.history import SimulationLine, simulations
-from mechstyle.records import Doubt, Landing, LoadResult, Row, Simulation, Verdict, sentences
+from mechstyle.records import Doubt, Landing, LoadResult, Row, Simulation, Verdict
+
+LITTLE = 0.7
+"""Share of the style's relief below which it is said how more of it may be had."""
 
 
 class Summary(msgspec.Struct, frozen=True, kw_only=True):
@@ -69,6 +72,13 @@ class Summary(msgspec.Struct, frozen=True, kw_only=True):
     files: dict[str, str]
 
 
+def little_left(kept: float, side: str) -> str:
+    """What to try where little of a relief is left, "" where enough is left or it only goes outwards."""
+    if kept >= LITTLE or side == "outwards":
+        return ""
+    return f"only {kept:.0%} of the style is left: cuts into a wall weaken it, so try relief that only goes outwards (--side outwards)"
+
+
 def summarise(engine: Engine, *, device: str, notes: tuple[str, ...], seconds: dict[str, float], files: dict[str, str]) -> Summary:
     """The summary of a lane its engine has just finished."""
     history = engine.store.history(engine.lane)
@@ -77,7 +87,7 @@ def summarise(engine: Engine, *, device: str, notes: tuple[str, ...], seconds: d
     assert verdict is not None, "a finished lane ends with a simulated checkpoint"
     simulation = engine.store.objects.get_record(last.simulation, Simulation)
     start, kept = history[0].style_loss, engine.kept(last)
-    little = sentences.little_left(kept, engine.recipe.style.side) if engine.recipe.restraint.guarantee else ""
+    little = little_left(kept, engine.recipe.style.side) if engine.recipe.restraint.guarantee else ""
     return Summary(
         outcome=verdict.outcome, doubts=verdict.doubts, tolerance=verdict.tolerance, rows=verdict.rows, words=verdict.words,
         landings=simulation.landings, loads=simulation.loads, plain=engine.simulator.judge(engine.simulator.baseline, alone=True),

@@ -9,10 +9,9 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from mechstyle.errors import SimulationFailed
-from mechstyle.fea.elements import element_named
 from mechstyle.fea.explicit import Progress, no_progress
 from mechstyle.fea.orientations import FLAT, UP
-from mechstyle.fea.permanent_set import at_nodes
+from mechstyle.fea.permanent_set import at_vertices
 from mechstyle.fea.snapshots import snapshots
 from mechstyle.records import Recipe, Simulation
 from mechstyle.records.mesh import Floats, SurfaceMesh
@@ -105,12 +104,6 @@ def rigid_motion(points: Floats, moved: Floats) -> tuple[Floats, Floats]:
     return turn, middle - turn @ centre
 
 
-def nearest_rigid(points: Floats, moved: Floats) -> Floats:
-    """Points rotated and shifted as a whole to where they are nearest to others; arguments as for `rigid_motion`."""
-    turn, shift = rigid_motion(points, moved)
-    return np.asarray(points @ turn.T + shift)
-
-
 def impact_of(simulator: DropSimulator, simulation: Simulation, landing: str = FLAT, progress: Progress = no_progress) -> Impact:
     """Drop a part as it was tested once more, on the same tetrahedra, and keep what happens on its surface; remembered by its inputs.
 
@@ -130,14 +123,12 @@ def impact_of(simulator: DropSimulator, simulation: Simulation, landing: str = F
     known = simulator.memo.recall(key, Impact)
     if known is not None:
         return known
-    meshes, material, test = simulator.meshes, simulator.recipe.test.material, prescribed(simulator.recipe)
-    body = meshes.known(simulation.mesh) or meshes.plain[0]
-    if body.tets.digest != simulation.mesh:
-        raise SimulationFailed("the tetrahedra of this test are gone: test the part again")
-    tets, element = body.morph.morphed(simulation.displacement).tets, element_named(test.element)
-    seen = snapshots(tets, material, test, normal=landed.normal, progress=progress, period=simulator.period)
+    (body, morphed), recipe = simulator.morphed(simulation), simulator.recipe
+    seen = snapshots(
+        morphed.tets, recipe.test.material, prescribed(recipe), normal=landed.normal, progress=progress, period=simulator.period
+    )
     moved = [body.displacement_at_surface(frame) for frame in seen.displacement]
-    stress = np.stack([body.field_at_surface(at_nodes(tets, element.at_corners(points))) for points in seen.von_mises])
+    stress = np.stack([body.field_at_surface(at_vertices(morphed.tets, points)) for points in seen.von_mises])
     whole = simulation.stress_of(landing=landing)
     before = simulator.part.surface.displaced(simulation.displacement).vertices
     turn, shift = rigid_motion(before, before + moved[-1])

@@ -18,7 +18,7 @@ from mechstyle.fea.explicit import Progress, no_progress
 from mechstyle.fea.permanent_set import quantile
 from mechstyle.geometry.morph import Morph, Morphed
 from mechstyle.geometry.transfer import SurfaceMean, Transfer
-from mechstyle.loop.objects import AT_REST, CARRIER, LAST_MESH, MESH, MESH_FOR, Memo
+from mechstyle.loop.objects import AT_REST, CARRIER, LAST_MESH, MESH, MESH_FOR, Memo, Memos
 from mechstyle.records.mesh import Floats, TetMesh, digest_of
 from mechstyle.records.recipe import Transfer as TransferName
 from mechstyle.records.simulation import LEAST_GROUNDED, THICKER, VOLUME_ERROR
@@ -171,14 +171,14 @@ class Meshes:
     progress: Progress = field(default=no_progress)
 
     @cached_property
-    def plain(self) -> tuple[Body, tuple[Memo, ...]]:
+    def plain(self) -> tuple[Body, Memos]:
         """Tetrahedra of the plain part, and the memos that hold results on them, the most trusted first.
 
         They are even ones of their own: on those of a relief a drop would take three times the steps, because their triangles are flattened
         on the way back. Other runs share them, and a run folder from another machine keeps those that it was made with.
         """
         if not self.first.made_for_relief:
-            return self.first, (self.memo,) if self.shared is None else (self.shared, self.memo)
+            return self.first, Memos((self.memo,) if self.shared is None else (self.shared, self.memo))
         name = f"{AT_REST}{self.first.shape.surface.digest}"
         own, known = self.memo.recall(name, str), None if self.shared is None else self.shared.recall(name, str)
         home = self.memo if self.shared is None or own not in (None, known) else self.shared
@@ -186,7 +186,7 @@ class Meshes:
         tets = (self.memo if own else home).objects.get_mesh(kept, TetMesh)
         for memo in (self.memo, home):
             memo.remember(name, memo.objects.put_mesh(tets))
-        return replace(self.first, tets=tets, at=None), (home,)
+        return replace(self.first, tets=tets, at=None), Memos((home,))
 
     def known(self, mesh: str) -> Body | None:
         """The tetrahedra of a digest, None if this run has none of it."""

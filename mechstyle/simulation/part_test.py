@@ -15,7 +15,6 @@ from mechstyle._files import write_whole
 from mechstyle.errors import BadInput, SimulationFailed
 from mechstyle.fea.drop import History, resolve_device
 from mechstyle.fea.explicit import Progress, no_progress
-from mechstyle.fea.snapshots import snapshot
 from mechstyle.geometry.proximity import TriangleTree
 from mechstyle.loop import minimum_wall as walls
 from mechstyle.pictures import fields
@@ -29,9 +28,8 @@ from mechstyle.records.recipe import DEFAULTS, direction_of
 from mechstyle.records.written import length_of, tolerance_of
 from mechstyle.simulation.drop_history import Course, history_picture, vtu_bytes, vtu_path
 from mechstyle.simulation.impact import Impact, impact_of
-from mechstyle.simulation.part import Shape, Stage, Workpiece, at_rest, cached_memo, fitted, prepare, standardised
-from mechstyle.simulation.physics import period_of, prescribed
-from mechstyle.simulation.simulator import Detail, DropSimulator
+from mechstyle.simulation.part import Shape, Stage, Workpiece, cached_memo, fitted, prepare, standardised
+from mechstyle.simulation.simulator import DropSimulator
 
 ROUNDS = 20
 """Times a vertex is moved along its normal towards the styled surface; on a slope of 45° each halves what is missing."""
@@ -52,14 +50,13 @@ class PartTest:
     """A part and what its drop test said.
 
     Attributes:
-        part: The prepared part; the original where one was given.
-        recipe: Material, drop and criterion.
+        simulator: What tested it: the prepared part, which is the original where one was given, and its recipe.
         relief: Relief over the original [mm], shape [vertex_count]; zero where none was given.
         simulation: What was measured.
         verdict: What it means.
         warning: Which walls are thinner than the printer's thinnest; "" for nothing.
         tets: The tetrahedra that were dropped.
-        detail: The test in full.
+        history: Energies, contact force and largest stress of the drop as placed over time.
         impact: The drop as placed, moment by moment, and the shape that it leaves; None for one that failed.
         fit: How the tetrahedra follow the part as it was given.
         original: The same test of the original, None if none was given.
@@ -72,34 +69,37 @@ class PartTest:
         np.True_
     """
 
-    part: Workpiece
-    recipe: Recipe
+    simulator: DropSimulator
     relief: Field
     simulation: Simulation
     verdict: Verdict
     warning: str
     tets: TetMesh
-    detail: Detail
+    history: History
     impact: Impact | None
     fit: Fit
     original: Simulation | None = None
+
+    @property
+    def part(self) -> Workpiece:
+        """The prepared part."""
+        return self.simulator.part
+
+    @property
+    def recipe(self) -> Recipe:
+        """Material, drop and criterion."""
+        return self.simulator.recipe
 
     @property
     def surface(self) -> SurfaceMesh:
         """Surface that was dropped."""
         return self.part.surface.displaced(self.relief) if self.relief.any() else self.part.surface
 
-    @property
-    def history(self) -> History:
-        """Energies, contact force and largest stress of the drop as placed over time."""
-        return self.detail.drop.history[0]
-
     @cached_property
     def course(self) -> Course | None:
         """The drop as placed over time, in figures; None for one that failed."""
-        if self.impact is None:
-            return None
-        return Course.of(self.detail.drop, self.impact, self.surface.vertices, self.detail.balance_error)
+        flat = self.simulation.flat
+        return None if self.impact is None or flat is None else Course.of(self.history, flat, self.impact, self.surface.vertices)
 
     def show(self) -> Picture:
         """Stress in the worst test from three sides, and what stays bent in it, exaggerated."""
@@ -123,23 +123,17 @@ class PartTest:
             raise SimulationFailed(self.simulation.failure)
         return history_picture(self.history, self.impact, self.course, self.recipe.test.material.yield_strength)
 
-    def save_vtu(self, path: str | Path, *, each_orientation: bool = False) -> Path:
-        """Write displacement, stress and contact in the body for ParaView; `drop_history.vtu_bytes` lists the fields.
-
-        Args:
-            path: A file that ends in .vtu.
-            each_orientation: Whether to add stress and contact of every orientation.
+    def save_vtu(self, path: str | Path) -> Path:
+        """Drop the part flat once more and write what that leaves in the body for ParaView; `drop_history.vtu_bytes` lists the fields.
 
         Raises:
-            BadInput: If the file has another ending.
+            BadInput: If the file does not end in .vtu.
             SimulationFailed: If the drop failed.
         """
         target = vtu_path(path)
         if self.course is None:
             raise SimulationFailed(self.simulation.failure)
-        period = period_of(lambda: at_rest(self.part.surface), self.recipe, cached_memo())
-        at = snapshot(self.tets, self.recipe.test.material, prescribed(self.recipe), self.course.peak_time, period)
-        write_whole(target, vtu_bytes(self.tets, self.detail.drop, at, each=each_orientation))
+        write_whole(target, vtu_bytes(self.tets, self.simulator.dropped(self.tets, [0])))
         return target
 
 
@@ -224,17 +218,18 @@ def _tested(
     displacement = np.zeros(len(part.surface.vertices), np.float32) if relief is None else relief
     simulator = DropSimulator(part, recipe, memo, memo, device, progress)
     stage("dropping it")
-    tets, detail = simulator.detail(displacement)
+    simulation = simulator.simulate(displacement, thorough=True)
     original = None
     if relief is not None:
         stage("dropping its original")
         original = simulator.baseline
-    verdict = simulator.judge(detail.simulation, alone=relief is None)
+    verdict = simulator.judge(simulation, alone=relief is None)
     stage("looking at the impact")
-    impact = None if detail.drop.failure else impact_of(simulator, detail.simulation, progress=progress)
+    impact = None if simulation.failure else impact_of(simulator, simulation, progress=progress)
     thin = walls.warnings(part.surface, part.thickness, displacement, wanted.delivery.minimum_wall)
+    tets, history = simulator.morphed(simulation)[1].tets, simulator.history(simulation)
     warning = " ".join(f"{sentence}." for sentence in thin)
-    return PartTest(part, recipe, displacement, detail.simulation, verdict, warning, tets, detail, impact, fit_of(tets, given), original)
+    return PartTest(simulator, displacement, simulation, verdict, warning, tets, history, impact, fit_of(tets, given), original)
 
 
 class Fit(msgspec.Struct, frozen=True, kw_only=True):

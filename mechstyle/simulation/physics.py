@@ -15,7 +15,7 @@ from mechstyle.fea.drop import DropTest
 from mechstyle.fea.elements import element_named
 from mechstyle.fea.linear_solvers import lowest_period
 from mechstyle.fea.orientations import Orientations, landings
-from mechstyle.loop.objects import Memo
+from mechstyle.loop.objects import Memos
 from mechstyle.records import Recipe
 from mechstyle.records.mesh import SurfaceMesh, TetMesh
 
@@ -52,7 +52,7 @@ def memo_key(inputs: tuple[Any, ...], displacement: NDArray[np.float32]) -> str:
     return hashlib.sha256(msgspec.json.encode(inputs) + np.ascontiguousarray(displacement, np.float32).tobytes()).hexdigest()
 
 
-def period_of(tets: Callable[[], TetMesh], recipe: Recipe, memo: Memo, trusted: Memo | None = None) -> float | None:
+def period_of(tets: Callable[[], TetMesh], recipe: Recipe, memos: Memos) -> float | None:
     """Lowest elastic period of the unstylized part [ms], by which the end of an impact is found, also of a styled one.
 
     None if the recipe has a window, which needs none.
@@ -60,20 +60,14 @@ def period_of(tets: Callable[[], TetMesh], recipe: Recipe, memo: Memo, trusted: 
     Args:
         tets: Makes the tetrahedra of the unstylized part; fine ones, for a relief, would take minutes to tell the same.
         recipe: What decides the physics.
-        memo: Where the answer is remembered.
-        trusted: Where it is looked for first, and remembered if it was worked out here; None for nowhere.
+        memos: Where the answer is remembered.
     """
     if recipe.test.window is not None:
         return None
     surface, material, element = recipe.test.specimen.surface, recipe.test.material, recipe.test.element
     key = memo_key(("period", PHYSICS_VERSION, surface, material, element), np.empty(0, np.float32))
-    memos = [memo] if trusted is None else [trusted, memo]
-    period = next((found for one in memos if (found := one.recall(key, float)) is not None), None)
-    if period is not None:
-        memo.remember(key, period)  # a run folder holds what its drops rest on, whoever worked it out
-        return period
-    # With the mass of any test: what is remembered must not depend on who asked first.
-    period = lowest_period(discretise(tets(), material, DropTest.added_mass, element_named(element)))
-    for one in memos:
-        one.remember(key, period)
+    period = memos.recall(key, float)
+    if period is None:  # with the mass of any test: what is remembered must not depend on who asked first
+        period = lowest_period(discretise(tets(), material, DropTest.added_mass, element_named(element)))
+        memos.remember(key, period)
     return period

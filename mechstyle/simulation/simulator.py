@@ -14,15 +14,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mechstyle.errors import SimulationFailed
-from mechstyle.fea.drop import Drop, drop
-from mechstyle.fea.elements import element_named
+from mechstyle.fea.drop import Drop, History, drop
 from mechstyle.fea.explicit import Progress, no_progress
 from mechstyle.fea.orientations import Orientations
-from mechstyle.fea.permanent_set import at_nodes, measured
-from mechstyle.fea.statics import Loaded, StaticTest
+from mechstyle.fea.permanent_set import at_vertices, measured
+from mechstyle.fea.statics import StaticTest
 from mechstyle.geometry.morph import Morphed
 from mechstyle.loop.control import YIELDED
-from mechstyle.loop.objects import Memo
+from mechstyle.loop.objects import Memo, Memos
 from mechstyle.records import Landing, LoadResult, Recipe, Simulation, Verdict, judge
 from mechstyle.records.material import Material
 from mechstyle.records.mesh import TetMesh, digest_of
@@ -35,45 +34,36 @@ STEERING = 2
 """Nearly flat landings that are dropped while a relief grows: those after which most of the original stays bent."""
 
 
-@dataclass(frozen=True, eq=False)
+def _no_field() -> NDArray[np.float32]:
+    """Of a test that failed, and what an elastic body has none of."""
+    return np.zeros(0, np.float32)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Landed:
-    """One landing with its fields at the surface, each as in `Simulation`."""
+    """One landing with its fields at the surface, each as in `Simulation`; the history is kept of the flat one alone."""
 
     landing: Landing | None
-    stress: NDArray[np.float32]
-    strain: NDArray[np.float32]
-    bend: NDArray[np.float32]
     contact: NDArray[np.bool_]
     time_step: float
     steps: int
     added_mass: float
+    history: History | None
+    stress: NDArray[np.float32] = field(default_factory=_no_field)
+    strain: NDArray[np.float32] = field(default_factory=_no_field)
+    bend: NDArray[np.float32] = field(default_factory=_no_field)
     failure: str = ""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class UnderLoads:
     """The load cases with their fields at the surface, each as in `Simulation`."""
 
-    results: tuple[LoadResult, ...]
-    stress: NDArray[np.float32]
-    strain: NDArray[np.float32]
-    bend: NDArray[np.float32]
+    results: tuple[LoadResult, ...] = ()
+    stress: NDArray[np.float32] = field(default_factory=_no_field)
+    strain: NDArray[np.float32] = field(default_factory=_no_field)
+    bend: NDArray[np.float32] = field(default_factory=_no_field)
     failure: str = ""
-
-
-@dataclass(frozen=True, eq=False)
-class Detail:
-    """A drop test in full.
-
-    Attributes:
-        simulation: What it left on the surface.
-        drop: Stress in the body, and history in time, of every orientation.
-        balance_error: Largest error of energy of the flat drop without damping, over the energy at first touch; None if it failed.
-    """
-
-    simulation: Simulation
-    drop: Drop
-    balance_error: float | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,54 +112,45 @@ class DropSimulator:
         """
         follow = thorough or not np.any(displacement)
         body, meshing = self.meshes.carrier(displacement) if follow else (self.meshes.first, MORPHED)
-        return self._tested(body, displacement, self._numbers(displacement, thorough=thorough), meshing)
+        return self._tested(body, body.morph.morphed(displacement), self._numbers(displacement, thorough=thorough), meshing)
 
     def judge(self, simulation: Simulation, *, alone: bool = False) -> Verdict:
         """Verdict on a simulation and that of the original, or `alone` on the original itself."""
         return judge(simulation, None if alone else self.baseline, self.recipe)
 
-    def detail(self, displacement: NDArray[np.float32]) -> tuple[TetMesh, Detail]:
-        """The moved tetrahedra and the whole drop test in all landings, with its history in time; remembered as well."""
-        body, meshing = self.meshes.carrier(displacement)
-        morphed, numbers = body.morph.morphed(displacement), self._numbers(displacement, thorough=True)
-        asked = (self.landings.normals.tolist(), self.landings.names, self.recipe.test.loads, self.recipe.test.tolerance)
-        key = f"{self._key('detail', body, morphed, asked)}-detail"
-        detail = self.memo.recall(key, Detail)
-        if detail is None:
-            self._static(body).check()
-            result, balance = self._dropped(morphed.tets, numbers), None
-            if not result.failure:  # once more through its first phase, without damping, which takes what is missing
-                undamped = replace(prescribed(self.recipe), damping=0.0, window=result.phases[0][0].end)
-                material, flat = self.recipe.test.material, self.landings.normals[:1]
-                again = drop(morphed.tets, material, flat, undamped, device=self.device, progress=self.progress)
-                balance = None if again.failure else float(np.abs(again.history[0].damping_loss).max() / again.history[0].kinetic[0])
-                for index, number in enumerate(numbers):
-                    self._remember(body, morphed, number, self._brought(body, morphed, result, index, number))
-            detail = Detail(self._tested(body, displacement, numbers, meshing), result, balance)
-            self.memo.remember(key, detail)
-        return morphed.tets, detail
+    def morphed(self, simulation: Simulation) -> tuple[Body, Morphed]:
+        """The tetrahedra of a test, and as they were moved for it; SimulationFailed if this run has them no more."""
+        body = self.meshes.known(simulation.mesh) or self.meshes.plain[0]
+        if body.tets.digest != simulation.mesh:
+            raise SimulationFailed("the tetrahedra of this test are gone: test the part again")
+        return body, body.morph.morphed(simulation.displacement)
+
+    def history(self, simulation: Simulation) -> History:
+        """Energies and forces of the flat landing of a test over time."""
+        history = self._landed(*self.morphed(simulation), [0])[0].history
+        assert history is not None, "that of the flat landing is kept"
+        return history
 
     @cached_property
     def period(self) -> float | None:
         """Of `period_of`."""
-        return period_of(lambda: self.meshes.plain[0].tets, self.recipe, self.memo, self.meshes.shared)
+        shared = self.meshes.shared
+        return period_of(lambda: self.meshes.plain[0].tets, self.recipe, Memos((self.memo,) if shared is None else (shared, self.memo)))
 
     def _numbers(self, displacement: NDArray[np.float32], *, thorough: bool) -> tuple[int, ...]:
         """Numbers of the landings in which a displaced part is dropped."""
-        every = tuple(range(len(self.landings.names)))
         if thorough or not np.any(displacement) or self.baseline.failure:
-            return every
+            return tuple(range(len(self.landings.names)))
         nearly = [number for number, landing in enumerate(self.baseline.landings) if landing.way == "nearly flat"]
         hardest = sorted(nearly, key=lambda number: -self.baseline.landings[number].permanent_set)[:STEERING]
         return (0, *sorted(hardest))
 
-    def _tested(self, body: Body, displacement: NDArray[np.float32], numbers: Sequence[int], meshing: str) -> Simulation:
+    def _tested(self, body: Body, morphed: Morphed, numbers: Sequence[int], meshing: str) -> Simulation:
         """A test on these very tetrahedra: what is known of it is recalled, the rest dropped and loaded."""
-        morphed = body.morph.morphed(displacement)
-        self._static(body).check()  # before the long drop
+        static = self._static(body) if self.recipe.test.loads else None
         landed = self._landed(body, morphed, numbers)
         failure = next((one.failure for one in landed if one.failure), "")
-        loads = UnderLoads((), *self._nothing(0)) if failure or not self.recipe.test.loads else self._under_loads(body, morphed)
+        loads = UnderLoads() if failure or static is None else self._under_loads(static, body, morphed)
         fit = body.followed(morphed)
         found = Simulation(
             displacement=morphed.displacement, contact=landed[0].contact, backed_off=morphed.backed_off, deviation=morphed.deviation,
@@ -188,68 +169,102 @@ class DropSimulator:
             load_set=loads.bend,
         )  # fmt: skip
 
+    # --- landings ---
+
     def _landed(self, body: Body, morphed: Morphed, numbers: Sequence[int]) -> list[Landed]:
-        """The landings of these numbers; those that nobody remembers are dropped together."""
-        known = {number: self._recall(body, morphed, number) for number in numbers}
-        missing = [number for number, one in known.items() if one is None]
-        if missing:
-            for number, (result, index) in zip(missing, self._each_dropped(morphed.tets, missing), strict=True):
-                known[number] = self._brought(body, morphed, result, index, number)
-        found = list[Landed]()
-        for number, one in known.items():
-            assert one is not None, "what was missing was dropped"
-            self._remember(body, morphed, number, one)
-            found.append(one)
-        return found
+        """The landings of these numbers, under the names they have here; those that nobody remembers are dropped together."""
+        memos, ways = self._memos(body, morphed), self.landings
+        keys = {number: self._key("landing", body, morphed, ways.normals[number].tolist()) for number in numbers}
+        found = {number: memos.recall(key, Landed) for number, key in keys.items()}
+        missing = [number for number, one in found.items() if one is None]
+        for number, (result, index) in zip(missing, self._each_dropped(morphed.tets, missing), strict=True):
+            found[number] = landed = self._brought(body, morphed, result, index, number)
+            memos.remember(keys[number], landed)
+        called = {number: {"name": ways.names[number], "way": ways.ways[number]} for number in numbers}
+        return [
+            replace(one, landing=one.landing and msgspec.structs.replace(one.landing, **called[number]))
+            for number, one in found.items() if one is not None
+        ]  # fmt: skip
 
     def _each_dropped(self, tets: TetMesh, numbers: Sequence[int]) -> list[tuple[Drop, int]]:
         """The drop of each landing, and its number there.
 
         If one breaks down, each is dropped by itself, so that no other is lost with it.
         """
-        result = self._dropped(tets, numbers)
+        if not numbers:
+            return []
+        result = self.dropped(tets, numbers)
         if not result.failure or len(numbers) == 1:
             return [(result, index) for index in range(len(numbers))]
-        return [(self._dropped(tets, [number]), 0) for number in numbers]
+        return [(self.dropped(tets, [number]), 0) for number in numbers]
 
-    def _dropped(self, tets: TetMesh, numbers: Sequence[int]) -> Drop:
+    def dropped(self, tets: TetMesh, numbers: Sequence[int]) -> Drop:
+        """A drop of tetrahedra in the landings of these numbers, in full."""
         normals, test = self.landings.normals[list(numbers)], prescribed(self.recipe)
         return drop(tets, self.recipe.test.material, normals, test, device=self.device, progress=self.progress, period=self.period)
 
     def _brought(self, body: Body, morphed: Morphed, result: Drop, index: int, number: int) -> Landed:
         """One landing of a drop in figures, and its fields at the surface; none, with the reason, where the drop failed."""
-        stress, strain, bend = (one[0] for one in self._nothing(1))
-        contact = body.contact_at_surface(result.contact[index])
-        figures = (result.time_step, result.steps, result.added_mass)
+        tets, test, name = morphed.tets, self.recipe.test, self.landings.names[number]
+        landed = Landed(
+            landing=None, contact=body.contact_at_surface(result.contact[index]), time_step=result.time_step, steps=result.steps,
+            added_mass=result.added_mass, history=None if number else result.history[index],
+            failure=f"in the landing {name!r} {result.failure}" if result.failure else "",
+        )  # fmt: skip
         if result.failure:
-            return Landed(None, stress, strain, bend, contact, *figures, result.failure)
-        tets, way, elastic = morphed.tets, self.landings, self.recipe.test.criterion == "paper"
+            return landed
         place: Place = (0.0, 0.0, 0.0)
-        element = element_named(self.recipe.test.element)
         permanent_set = plastic_strain = 0.0
-        if not elastic:
+        stress = body.field_at_surface(at_vertices(tets, result.von_mises[index]))
+        if test.criterion != "paper":
             permanent_set, place, plastic_strain = measured(tets, result.permanent[index], result.tension_strain[index])
-            strain = body.field_at_surface(at_nodes(tets, element.at_corners(result.plastic_strain[index])))
-            bend = body.displacement_at_surface(result.permanent[index])
-        x, y, z = (float(part) for part in way.normals[number])
+            strain = body.field_at_surface(at_vertices(tets, result.plastic_strain[index]))
+            stress = flow_stress(stress, strain, test.material)
+            landed = replace(landed, strain=strain, bend=body.displacement_at_surface(result.permanent[index]))
+        x, y, z = (float(part) for part in self.landings.normals[number])
         landing = Landing(
-            name=way.names[number], way=way.ways[number], normal=(x, y, z), fall=self.recipe.test.height, permanent_set=permanent_set,
-            plastic_strain=plastic_strain, where=place, place=self._named(morphed, place) if permanent_set else "",
+            name=name, way=self.landings.ways[number], normal=(x, y, z), fall=test.height, permanent_set=permanent_set,
+            plastic_strain=plastic_strain, where=place, place=_named(tets, place) if permanent_set else "",
             maximum=float(result.von_mises[index].max()), touches=tuple(phase.speed for phase in result.phases[index]),
             ended=result.endings[index],
         )  # fmt: skip
-        stress = body.field_at_surface(at_nodes(tets, element.at_corners(result.von_mises[index])))
-        shown = stress if elastic else flow_stress(stress, strain, self.recipe.test.material)
-        return Landed(landing, shown, strain, bend, contact, *figures)
+        return replace(landed, landing=landing, stress=stress)
 
-    def _named(self, morphed: Morphed, place: Place) -> str:
-        low, high = (msgspec.convert(end(morphed.tets.vertices, axis=0).tolist(), Place) for end in (np.min, np.max))
-        return place_in_words(place, low, high)
+    # --- loads ---
 
-    def _nothing(self, count: int) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]]:
-        """Stress, strain and bend of no test, for so many tests."""
-        scalars = np.zeros((count, len(self.part.surface.vertices)), np.float32)
-        return scalars, scalars, np.zeros((*scalars.shape, 3), np.float32)
+    def _static(self, body: Body) -> StaticTest:
+        """The load cases, their places picked on the plain part and looked at before the long drop."""
+        plain = body.morph.morphed(np.zeros(len(self.part.surface.vertices), np.float32)).tets
+        static = StaticTest(plain, self.recipe.test.loads, self.recipe.test.element)
+        static.check()
+        return static
+
+    def _under_loads(self, static: StaticTest, body: Body, morphed: Morphed) -> UnderLoads:
+        """The recipe's load cases on moved tetrahedra; remembered."""
+        memos, key = self._memos(body, morphed), self._key("loads", body, morphed, (self.recipe.test.loads, self.recipe.test.tolerance))
+        found = memos.recall(key, UnderLoads)
+        if found is None:
+            found = self._loaded(static, body, morphed.tets)
+            memos.remember(key, found)
+        return found
+
+    def _loaded(self, static: StaticTest, body: Body, tets: TetMesh) -> UnderLoads:
+        test, elastic = self.recipe.test, self.recipe.test.criterion == "paper"
+        try:
+            cases = static.loaded(
+                tets, test.material, across=test.across_layers, tolerance=test.tolerance, elastic=elastic, progress=self.progress
+            ).values()
+        except SimulationFailed as error:
+            return UnderLoads(failure=str(error))
+
+        strains = [body.field_at_surface(case.strain) for case in cases]
+        stresses = [body.field_at_surface(case.stress) for case in cases]
+        if not elastic:
+            stresses = [flow_stress(stress, strain, test.material) for stress, strain in zip(stresses, strains, strict=True)]
+        bends = [body.displacement_at_surface(case.displacement) for case in cases]
+        places = [_named(tets, one.result.where) if one.result.permanent_set else "" for one in cases]
+        results = tuple(msgspec.structs.replace(one.result, place=place) for one, place in zip(cases, places, strict=True))
+        return UnderLoads(results=results, stress=np.stack(stresses), strain=np.stack(strains), bend=np.stack(bends))
 
     # --- what is remembered ---
 
@@ -259,69 +274,16 @@ class DropSimulator:
         at = "" if body.at is None else digest_of(body.at)
         return memo_key((what, PHYSICS_VERSION, self.device, *physics(recipe), at, asked), np.empty(0, np.float32))
 
-    def _memos(self, body: Body, morphed: Morphed) -> tuple[Memo, ...]:
-        """Where results on these tetrahedra are remembered, the most trusted first: those of the plain part serve other runs."""
+    def _memos(self, body: Body, morphed: Morphed) -> Memos:
+        """Where results on these tetrahedra are remembered: those of the plain part serve other runs."""
         on_plain = not np.any(morphed.displacement) and not body.made_for_relief
-        return self.meshes.plain[1] if on_plain else (self.memo,)
+        return self.meshes.plain[1] if on_plain else Memos((self.memo,))
 
-    def _recall(self, body: Body, morphed: Morphed, number: int) -> Landed | None:
-        key = self._key("landing", body, morphed, self.landings.normals[number].tolist())
-        found = next((one for memo in self._memos(body, morphed) if (one := memo.recall(key, Landed)) is not None), None)
-        if found is None or found.landing is None:
-            return found
-        name, way = self.landings.names[number], self.landings.ways[number]  # the same landing under the name it has here
-        return replace(found, landing=msgspec.structs.replace(found.landing, name=name, way=way))
 
-    def _remember(self, body: Body, morphed: Morphed, number: int, landed: Landed) -> None:
-        key, memos = self._key("landing", body, morphed, self.landings.normals[number].tolist()), self._memos(body, morphed)
-        known = any(memo.recall(key, Landed) is not None for memo in memos)
-        for memo in memos[-1:] if known else memos:  # others may have written a run folder: only what was computed here is for all
-            memo.remember(key, landed)
-
-    # --- loads ---
-
-    def _static(self, body: Body) -> StaticTest:
-        """The load cases, their places picked on the plain part."""
-        plain = body.morph.morphed(np.zeros(len(self.part.surface.vertices), np.float32)).tets if self.recipe.test.loads else body.tets
-        return StaticTest(plain, self.recipe.test.loads, self.recipe.test.element)
-
-    def _under_loads(self, body: Body, morphed: Morphed) -> UnderLoads:
-        """The recipe's load cases on moved tetrahedra; remembered."""
-        memos, key = self._memos(body, morphed), self._key("loads", body, morphed, (self.recipe.test.loads, self.recipe.test.tolerance))
-        found = next((one for memo in memos if (one := memo.recall(key, UnderLoads)) is not None), None)
-        if found is None:
-            found = self._loaded(body, morphed)
-        else:
-            memos = memos[-1:]
-        for memo in memos:
-            memo.remember(key, found)
-        return found
-
-    def _loaded(self, body: Body, morphed: Morphed) -> UnderLoads:
-        tets, test = morphed.tets, self.recipe.test
-        try:
-            cases = self._static(body).loaded(
-                tets, test.material, across=test.across_layers, tolerance=test.tolerance, elastic=test.criterion == "paper",
-                progress=self.progress,
-            )  # fmt: skip
-        except SimulationFailed as error:
-            return UnderLoads((), *self._nothing(0), str(error))
-
-        def result(name: str, case: Loaded) -> LoadResult:
-            return LoadResult(
-                name=name, permanent_set=case.permanent_set, plastic_strain=case.plastic_strain, where=case.where,
-                place=self._named(morphed, case.where) if case.permanent_set else "", maximum=case.maximum, deflection=case.deflection,
-                factor=case.factor, reached=case.reached, collapses=case.collapses,
-            )  # fmt: skip
-
-        strains = [body.field_at_surface(case.strain) for case in cases.values()]
-        stresses = [body.field_at_surface(case.stress) for case in cases.values()]
-        if test.criterion != "paper":
-            stresses = [flow_stress(stress, strain, test.material) for stress, strain in zip(stresses, strains, strict=True)]
-        return UnderLoads(
-            tuple(result(name, case) for name, case in cases.items()), np.stack(stresses), np.stack(strains),
-            np.stack([body.displacement_at_surface(case.displacement) for case in cases.values()]),
-        )  # fmt: skip
+def _named(tets: TetMesh, place: Place) -> str:
+    """A place of a part in words."""
+    low, high = (msgspec.convert(end(tets.vertices, axis=0).tolist(), Place) for end in (np.min, np.max))
+    return place_in_words(place, low, high)
 
 
 BEYOND = 1e-3

@@ -7,37 +7,28 @@ they were picked at on the unthickened part.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from pathlib import Path
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mechstyle.errors import BadInput
 from mechstyle.fea.drop import resolve_device
 from mechstyle.fea.explicit import no_progress
 from mechstyle.geometry.cancelling import CancelCheck, never_cancel
 from mechstyle.geometry.region_selection import protection
 from mechstyle.geometry.resting_face import resting_weight
 from mechstyle.loop import control
-from mechstyle.pictures import fields
-from mechstyle.pictures.panels import Picture, field_panel, picture, stress_note
 from mechstyle.records import Recipe, Simulation, Verdict, judge, sentences
-from mechstyle.records.load_cases import LoadCase, load_cases
-from mechstyle.records.material import Material, material_named
+from mechstyle.records.material import Material
 from mechstyle.records.mesh import STANDARD_VERTICES, SurfaceMesh
-from mechstyle.records.recipe import DEFAULTS
-from mechstyle.records.regions import Region, regions
-from mechstyle.records.written import length_of
 from mechstyle.simulation.part import Relief, Stage, Workpiece, cached_memo, fitted, prepare, refilled
 from mechstyle.simulation.simulator import DropSimulator
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
-
-    from mechstyle.pictures.figure import Panel
 
 ROUNDS = 6
 """Simulations after the first at most."""
@@ -71,7 +62,7 @@ class Strengthened:
     after: Simulation
     rounds: int
 
-    @property
+    @cached_property
     def surface(self) -> SurfaceMesh:
         """The thickened surface."""
         return self.part.surface.displaced(self.added)
@@ -110,66 +101,6 @@ class Strengthened:
         added = f"by up to {self.added.max():.2f} mm, {self.mass_gained:.1f} g ({share:+.1%})"
         return f"it was thickened {added}: {bends}: {held}"
 
-    def show(self) -> Picture:
-        """Stress before and after, and what was added between them; a notebook displays it, `.save(path)` writes the PNG."""
-        (first, last), strength = self.verdicts, self.recipe.test.material.yield_strength
-
-        def stress(title: str, surface: SurfaceMesh, simulation: Simulation, verdict: Verdict) -> Panel:
-            quantity = fields.stress(strength, verdict.deciding)
-            values = quantity.of(simulation)
-            note = stress_note(surface, values, strength, verdict.deciding)
-            return field_panel(surface, quantity, values, title=f"{title}: {verdict.short}", note=note)
-
-        added = field_panel(self.surface, fields.ADDED, self.added, title=f"thickened: {self.mass_gained:+.1f} g")
-        return picture([stress("before", self.part.surface, self.before, first), added, stress("after", self.surface, self.after, last)])
-
-
-def strengthen(
-    mesh: SurfaceMesh,
-    budget: float,
-    *,
-    material: str | Material = "PLA",
-    loads: str | Path | LoadCase | Sequence[LoadCase] = (),
-    protect: str | Region | Sequence[str | Region] = (),
-    criterion: str = "robust",
-    height: str | float = DEFAULTS["height"],
-    vertices: int = STANDARD_VERTICES,
-    device: str = "auto",
-    stage: Stage = no_progress,
-) -> Strengthened:
-    """Thicken a part where it is overloaded, along its normals, until it holds or the budget is spent.
-
-    Args:
-        mesh: A closed surface [mm], z up, as it stands.
-        budget: The most that is added anywhere [mm].
-        material: A library name, a .toml/.json file, or a Material.
-        loads: A load file or load cases the part must carry besides the drop.
-        protect: Regions that keep their shape.
-        criterion: `robust` or `paper`.
-        height: Height of the fall it is to survive, such as "1.5 m", or a number of mm.
-        vertices: Vertices of the standardised surface.
-        device: `auto`, `cpu` or `cuda`.
-        stage: Called with what is being done, in words.
-
-    Returns:
-        The part before and after, with verdicts and the mass it gained.
-
-    Raises:
-        BadInput: If the part or a setting cannot be used, in one sentence.
-
-    Example:
-        >>> stronger = ms.strengthen(ms.load("gallery:drawer_knob"), 1.0, vertices=500, device="cpu")
-        >>> stronger.rounds  # it holds as it is
-        0
-    """
-    if not budget > 0.0:
-        raise BadInput(f"the budget to strengthen with is {budget:g} mm, but must be above 0: a wall often needs 1")
-    wanted = Recipe.of(
-        prompt="", material=material_named(material), strengthen=budget, loads=load_cases(loads),
-        protect=regions(protect), criterion=criterion, height=length_of(height),
-    )  # fmt: skip
-    return strengthened(mesh, wanted, vertices=vertices, device=device, stage=stage)
-
 
 def strengthened(
     mesh: SurfaceMesh | Workpiece,
@@ -181,7 +112,7 @@ def strengthened(
     prepare: Callable[..., Workpiece] = prepare,
     go_on: CancelCheck = never_cancel,
 ) -> Strengthened:
-    """As `strengthen`, by a recipe.
+    """Thicken a part where it is overloaded, along its normals, until it holds or the budget is spent.
 
     Args:
         mesh: A closed surface [mm], z up, as it stands, or a part that is prepared.

@@ -337,8 +337,8 @@ def load_factors(recipe: Recipe, model: SurfaceMesh, vertices: int) -> dict[str,
             loaded = StaticTest(part.tets, (scaled(case, factor),), test.element).loaded(
                 part.tets, test.material, across=test.across_layers, tolerance=test.tolerance
             )[case.name]
-            factor *= loaded.factor
-            if loaded.reached:
+            factor *= loaded.result.factor
+            if loaded.result.reached:
                 break
         found[case.name] = factor
     return found

@@ -75,6 +75,21 @@ def test_every_outcome_has_a_colour_of_its_own_and_a_doubt_that_of_unknown():
     assert verdict_text("UNKNOWN", sure=False) == "[bold yellow]UNKNOWN[/]"
 
 
+def test_what_was_said_of_a_stage_is_not_taken_back_when_its_next_drop_begins(capsys):
+    """41 %, then 3 %: each landing that was dropped by itself, and each tetrahedron that was asked whether to go on, began anew."""
+    with console.progress_shown(30, quiet=False) as teller:
+        teller.stage("drop test at 20")
+        for done in (0.2, 0.41, 0.0, 0.03):
+            teller.fraction(done)
+        teller.line()
+        teller.stage("drop test at 30")
+        teller.fraction(0.1)
+        teller.line()
+    first, second = (line for line in capsys.readouterr().err.splitlines() if "drop test" in line)
+    assert "drop test at 20  41%" in first
+    assert "drop test at 30  10%" in second
+
+
 def test_where_no_bar_is_shown_a_line_says_every_ten_seconds_what_is_done(capsys):
     answers = iter([False, False, True])
     waited = []

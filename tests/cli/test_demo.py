@@ -1,4 +1,4 @@
-"""The demo and the contact sheet on the command line, as far as no simulation is needed."""
+"""The demo on the command line, as far as no simulation is needed."""
 
 import shlex
 import subprocess
@@ -14,16 +14,6 @@ from mechstyle.cli import demo
 from mechstyle.cli import run as commands
 from mechstyle.cli.app import app
 from support.records import row, verdict
-
-
-@pytest.mark.parametrize("path", ["sheet.jpg", "nowhere/sheet.png"])
-@pytest.mark.parametrize(("what", "drawn"), [("styles", "style_sheet.contact_sheet"), ("gallery", "style_sheet.model_sheet")])
-def test_a_sheet_that_cannot_be_written_is_refused_before_it_is_drawn(what, drawn, path, monkeypatch, tmp_path):
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(f"mechstyle.gallery.{drawn}", lambda **_: pytest.fail("it was drawn, which takes minutes"))
-    refused = CliRunner().invoke(app, [what, "--sheet", path, "--json"])
-    assert refused.exit_code == 2
-    assert ".png file in a folder that exists" in refused.output
 
 
 def test_the_demo_ends_with_one_table_of_what_stays_bent_of_both(pair, capsys, tmp_path):

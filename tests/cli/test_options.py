@@ -39,7 +39,7 @@ NAMES = {
     "branch": f"address --lane {STYLED} {RESTRAINED}",
     "simulate": f"model --build-direction {READ} "
     "--criterion --device --json --load --material -m --minimum-wall --orientations --original --out --poses --standard "
-    "--height --nearly-flat --no-nearly-flat --tolerance --vertices --vtu --vtu-each --window",
+    "--height --nearly-flat --no-nearly-flat --tolerance --vertices --vtu --window",
     "demo": "--device --height --json --model --out --prompt --tolerance --vertices -p",
     "log": "address --json",
     "show": "address --field --json --out",
@@ -55,8 +55,8 @@ NAMES = {
     "film": "addresses --frames --json --no-plain --out --plain --size",
     "report": "address --impact --json --out",
     "materials": "--json",
-    "styles": "--json --sheet",
-    "gallery": "--json --sheet",
+    "styles": "--json",
+    "gallery": "--json",
     "study": "",
     "study formative": STUDIED,
     "study evaluation": f"{STUDIED} --controls --schedules",

@@ -169,7 +169,6 @@ def test_mass_scaling_lengthens_the_step_within_its_limit(block, pla):
 @pytest.mark.parametrize("safety", [1.3, 2.0])
 def test_a_step_beyond_the_stable_limit_is_named_and_gives_no_stress(block, pla, safety):
     result = drop(block, pla, directions(2), DropTest(safety=safety, element="tet4", window=1.5), device="cpu")
-    assert "orientation 0 at" in result.failure
     assert "unstable" in result.failure or "no longer finite" in result.failure
     assert np.isposinf(result.von_mises).all()
     assert all(np.isfinite(values).all() for history in result.history for values in vars(history).values())

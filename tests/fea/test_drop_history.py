@@ -9,7 +9,7 @@ from mechstyle.fea.drop import history_of, phases_of
 from mechstyle.fea.explicit import QUANTITIES
 
 DT, STRIDE, GRAVITY = 0.01, 4, 0.5
-SCHEME = SimpleNamespace(time_step=DT, stride=STRIDE, gravity=GRAVITY)
+SCHEME = SimpleNamespace(time_step=DT, stride=STRIDE, gravity=GRAVITY, across=(0.0, 0.0, 0.0))
 
 
 def samples(count, **columns):

@@ -169,3 +169,14 @@ def test_a_drop_that_failed_leaves_more_than_any_limit(block, pla):
     for left in (found.von_mises, found.plastic_strain, found.tension_strain):
         assert np.isposinf(left).all()
     assert replace(found, failure="").flow.shape == (*found.von_mises.shape, 6)
+
+
+def test_of_printed_layers_bending_takes_no_more_than_is_missing(block, pla):
+    """They flow at a half of the strength, but their work was that of the whole: what damping took was less than nothing."""
+    found = drop(block, pla, [UPRIGHT], DropTest(height=3e4, window=0.3, across=(0.0, 0.0, 2.0)), device="cpu")
+    history = found.history[0]
+    assert history.plastic_work[-1] > 0.1 * history.kinetic[0]
+    assert history.damping_loss.min() >= -1e-6 * history.kinetic[0]
+    given = history.kinetic[0] + history.gravity_work
+    kept = history.kinetic + history.strain + history.plastic_work + history.contact_loss + history.damping_loss
+    np.testing.assert_allclose(kept, given, rtol=1e-6)

@@ -5,7 +5,20 @@ import pytest
 
 from mechstyle.errors import BadInput
 from mechstyle.fea.elasticity import displacement_gradients
-from mechstyle.fea.elements import EDGES, ELEMENTS, GAUSS_A, GAUSS_B, LINEAR, OVERSHOOT, QUADRATIC, element_named, with_nodes
+from mechstyle.fea.elements import (
+    EDGES,
+    ELEMENTS,
+    GAUSS_A,
+    GAUSS_B,
+    OVERSHOOT,
+    QUADRATIC,
+    at_corners,
+    element_named,
+    with_nodes,
+)
+from mechstyle.fea.permanent_set import at_vertices
+from mechstyle.records.mesh import TetMesh
+from validation.meshes import box
 
 each_element = pytest.mark.parametrize("element", ELEMENTS.values(), ids=ELEMENTS)
 SLOPE = np.random.default_rng(0).uniform(-0.3, 0.3, (3, 3))
@@ -58,12 +71,25 @@ def test_an_element_nobody_has_is_refused_with_the_nearest():
 def test_what_is_linear_in_an_element_is_found_at_its_corners():
     corners = np.array([[5.0, 6.0, 6.0, 5.5], [3.0, 2.5, 3.0, 3.2]])
     at_points = corners @ ((GAUSS_A - GAUSS_B) * np.eye(4) + GAUSS_B)
-    np.testing.assert_allclose(QUADRATIC.at_corners(at_points), corners)
-    np.testing.assert_array_equal(LINEAR.at_corners([[7.0], [2.0]]), [[7.0] * 4, [2.0] * 4])
+    np.testing.assert_allclose(at_corners(at_points), corners)
+    np.testing.assert_array_equal(at_corners([[7.0], [2.0]]), [[7.0] * 4, [2.0] * 4])
 
 
 def test_corners_are_kept_between_nothing_and_a_little_more_than_the_largest_point():
     """Of running maxima: each point had its own at another moment."""
-    np.testing.assert_allclose(QUADRATIC.at_corners([10.0, 0.0, 0.0, 0.0]), [10.0 * OVERSHOOT, 0.0, 0.0, 0.0])
+    np.testing.assert_allclose(at_corners([10.0, 0.0, 0.0, 0.0]), [10.0 * OVERSHOOT, 0.0, 0.0, 0.0])
     even = np.full((3, 4), 2.0)
-    np.testing.assert_allclose(QUADRATIC.at_corners(even), even)
+    np.testing.assert_allclose(at_corners(even), even)
+
+
+def test_values_of_a_linear_field_at_gauss_points_are_its_values_at_the_vertices():
+    block = box((3, 2, 4), (9.0, 5.0, 12.0))
+    nodal = 30.0 + block.vertices @ [1.0, -2.0, 0.5]
+    points = nodal[block.tets] @ ((GAUSS_A - GAUSS_B) * np.eye(4) + GAUSS_B)
+    assert at_vertices(block, points) == pytest.approx(nodal, rel=1e-12)
+
+
+def test_a_large_tetrahedron_counts_more_at_a_vertex_it_shares():
+    vertices = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, -3.0], [9.0, 9.0, 9.0]])
+    pair = TetMesh(vertices, np.array([[0, 1, 2, 3], [0, 2, 1, 4]], np.int32))
+    assert at_vertices(pair, [[10.0], [50.0]]) == pytest.approx([40.0, 40.0, 40.0, 10.0, 50.0, 0.0])

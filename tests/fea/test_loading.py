@@ -1,6 +1,7 @@
 """Loads that are put on until a part gives way, against the plastic hinge, Euler, CalculiX with large displacements, and Hooke."""
 
 from collections import deque
+from types import SimpleNamespace
 
 import msgspec
 import numpy as np
@@ -22,7 +23,10 @@ def loaded(tets, material, force, tolerance=0.2, **options):
     low, high = tets.vertices[:, 0].min(), tets.vertices[:, 0].max()
     clamped, end = Patch(plane=(low, 0, 0, -1, 0, 0)), Patch(plane=(high, 0, 0, 1, 0, 0))
     case = LoadCase(name="load", supports=(Support(at=clamped),), loads=(Load(at=end, force=force),))
-    return StaticTest(tets, (case,)).loaded(tets, material, tolerance=tolerance, **options)["load"]
+    found = StaticTest(tets, (case,)).loaded(tets, material, tolerance=tolerance, **options)["load"]
+    return SimpleNamespace(
+        **msgspec.structs.asdict(found.result), stress=found.stress, strain=found.strain, displacement=found.displacement
+    )
 
 
 @pytest.fixture(scope="module")

@@ -218,12 +218,11 @@ def test_the_player_sees_the_part_where_the_flight_has_brought_it(bar, pla, peri
     assert np.abs(after - Rotation.align_vectors(after, before)[0].apply(before)).max() < 3.0, "turned and bent a little, no more"
     assert lowest[at] < floor + 1.0, "it touches again"
     np.testing.assert_allclose(seen.von_mises.max(axis=0), result.von_mises[0], rtol=1e-6)
-    np.testing.assert_array_equal(seen.contact, result.contact[0])
 
 
 def test_a_drop_that_breaks_down_in_a_phase_is_named_and_flies_no_further(bar, pla, period):
     test = DropTest(element="tet4", safety=1.3)
     result = drop(bar, pla, [tilt(35.0), tilt(0.0)], test, device="cpu", period=period)
-    assert "unstable in orientation" in result.failure
+    assert "unstable at" in result.failure
     assert np.isposinf(result.von_mises).all()
     assert replace(result, failure="").endings

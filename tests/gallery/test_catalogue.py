@@ -1,14 +1,10 @@
 """What the catalogue says of the models is true of them: regions and loads are where the parts are."""
 
-import io
-
 import numpy as np
 import pytest
-from PIL import Image
 
 from mechstyle import gallery
 from mechstyle.errors import BadInput
-from mechstyle.gallery.style_sheet import COLUMNS, SIDE, model_sheet
 from mechstyle.geometry.proximity import TriangleTree
 from mechstyle.geometry.region_selection import selected
 from mechstyle.records.load_cases import Patch, read_loads
@@ -69,12 +65,3 @@ def test_a_use_is_what_a_load_file_would_say(tmp_path):
         gallery.use_of("gallery:coaster")
     with pytest.raises(BadInput, match="did you mean 'wall_hook'"):
         gallery.use_of("gallery:wallhook")
-
-
-def test_the_sheet_shows_every_model(monkeypatch):
-    drawn = []
-    monkeypatch.setattr("mechstyle.gallery.style_sheet.make", lambda name: drawn.append(name) or gallery.make("coaster"))
-    monkeypatch.setattr("mechstyle.pictures.scene.render", lambda *_, height, width, **__: np.full((height, width, 3), 90, np.uint8))
-    with Image.open(io.BytesIO(model_sheet().png)) as sheet:
-        assert sheet.size[0] > COLUMNS * SIDE
-    assert drawn == list(gallery.names())

@@ -74,6 +74,7 @@ def corrected(worst, overload=lambda _: peak(30), wanted=RAISED, finished=None, 
         except StopIteration:
             step = None
     assert len(tried) <= 1 + MOST_TRIES
+    assert len({relief.tobytes() for relief, *_ in tried}) == len(tried), "none is tested twice"
     assert all(np.all((one * np.sign(wanted) >= 0.0) & (np.abs(one) <= np.abs(wanted))) for one, *_ in tried)
     return tried, max((kept(relief) for relief, _, found in tried if found.passes), default=None)
 
@@ -167,6 +168,21 @@ def test_half_of_what_was_too_much_is_given_back():
     lowered = tried[1][0]
     assert kept > lowered.mean() / RAISED.mean()
     assert "half of what was taken given back" in [words for _, words, _ in tried]
+
+
+def test_what_was_tested_as_a_factor_is_not_tested_again_as_half_of_what_was_taken():
+    """Lowered by as much everywhere, half of it given back is the factor that failed before."""
+    part = Correction(STRIP, RAISED, lambda relief: float(relief.mean()), NOWHERE)
+    failing = Finding(False, 2.0, np.full(COUNT, 9.0, np.float32))
+    search, tested = part.tries(RAISED, failing), []
+    step = next(search, None)
+    while step is not None:
+        tested.append(step[0].tobytes())
+        try:
+            step = search.send(Finding(True, 0.9) if step[0].max() <= 0.45 else failing)
+        except StopIteration:
+            step = None
+    assert len(set(tested)) == len(tested) > 3
 
 
 def test_a_little_is_not_given_back():

@@ -91,6 +91,14 @@ def test_a_bend_is_drawn_in_its_shape_so_large_that_it_can_be_seen(run):
     assert panel.mesh.vertices == pytest.approx(surface.vertices + 100.0 * simulation.set_of(landing="flat"), abs=1e-4)
 
 
+def test_of_a_part_that_gives_way_the_caption_says_which_shape_is_shown(run):
+    """The shape was the last that bore the load, and stood there as what the part comes to."""
+    surface, simulation, row = run.surface(20), run.simulation(20), run.checkpoint(20).verdict.deciding
+    gave_way = msgspec.structs.replace(row, collapses=True, outcome="FAILS")
+    assert bent_panel(surface, simulation, gave_way).note.endswith("gives way of 0.20 mm; shown is the last shape that bore the load")
+    assert "shown" not in bent_panel(surface, simulation, row).note
+
+
 @pytest.mark.parametrize(("bend", "factor"), [(0.0, 1), (0.01, 100), (0.1, 50), (0.3, 20), (4.0, 1), (50.0, 1)])
 def test_a_factor_is_round_and_never_makes_less_of_it(bend, factor):
     assert exaggeration(bend, 100.0) == factor

@@ -4,17 +4,21 @@ from __future__ import annotations
 
 import json
 import logging
+from tempfile import TemporaryDirectory
 
 import meshio
 import msgspec
 import numpy as np
 import pytest
 import trimesh
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from mechstyle.geometry.glb import DULL, Sheen
 from mechstyle.geometry.print_quality import quality
 from mechstyle.records import Doubt
 from mechstyle.runs.export import Exported, of_the_test, sheen_of, sidecar, unsimulated
+from support.bench import Bench
 from support.lanes import lane_on_a_sheet
 from support.records import row, verdict
 
@@ -48,6 +52,23 @@ def test_what_a_corrected_run_delivers_is_exported_with_its_verdict(cube, tmp_pa
     assert written.verdict.passes
     assert not any("not simulated" in warning for warning in written.warnings)
     assert not any(unsimulated(entry) for entry in run.history if entry.reason), "every correction was"
+
+
+@settings(max_examples=12)
+@given(
+    gain=st.sampled_from([10.0, 60.0, 150.0, 400.0]), height=st.sampled_from([0.2, 1.0, 2.0]), tilt=st.sampled_from([0.5, 1.4]),
+    broken=st.sampled_from([0.7, np.inf]), schedule=st.sampled_from(["never", "every"]),
+)  # fmt: skip
+def test_whatever_comes_of_it_a_finished_run_delivers_the_verdict_on_its_very_surface(gain, height, tilt, broken, schedule):
+    with TemporaryDirectory() as folder:
+        bench = Bench(folder, height=height, gain=gain, tilt=tilt, broken_above=broken)
+        engine = bench.engine(bench.recipe(schedule=schedule, every=5, iterations=20))
+        *_, finished = engine.run()
+        entry = engine.store.find(None)
+        delivered = engine.store.checkpoint(entry.digest)
+        assert unsimulated(entry) == ""
+        again = engine.simulator.judge(engine.simulator.simulate(delivered.displacement, thorough=True))
+        assert finished.verdict == delivered.verdict == entry.verdict == again
 
 
 def test_a_file_with_fields_holds_what_the_test_of_that_very_surface_says(run, tmp_path, dropless):

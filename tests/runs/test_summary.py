@@ -6,7 +6,7 @@ import msgspec
 import pytest
 
 from mechstyle.loop.objects import read_record, to_json
-from mechstyle.runs.summary import Summary
+from mechstyle.runs.summary import Summary, little_left
 from support.lanes import lane_on_a_sheet
 from support.records import UNKNOWN
 
@@ -33,3 +33,10 @@ def test_an_unknown_verdict_can_be_read_back(tmp_path):
     none = msgspec.structs.replace(run.summary, outcome="UNKNOWN", rows=(), plain=UNKNOWN)
     (tmp_path / "summary.json").write_bytes(to_json(none))
     assert read_record(tmp_path / "summary.json", Summary) == none
+
+
+def test_where_little_of_the_style_is_left_it_is_said_how_to_keep_more():
+    said = little_left(0.33, "auto")
+    assert said.startswith("only 33% of the style is left")
+    assert "--side outwards" in said
+    assert little_left(0.33, "outwards") == little_left(0.95, "auto") == ""

@@ -13,7 +13,7 @@ from mechstyle.loop.objects import Memo, Objects
 from mechstyle.records.mesh import SurfaceMesh, TetMesh
 from mechstyle.simulation import impact as module
 from mechstyle.simulation import meshes
-from mechstyle.simulation.impact import Impact, impact_of, nearest_rigid
+from mechstyle.simulation.impact import Impact, impact_of, rigid_motion
 from support.dropped_block import ripples, simulator
 
 
@@ -43,7 +43,7 @@ def test_it_ends_in_the_shape_that_the_test_found_to_stay(tested, impact):
     bend = simulation.set_of(landing=edge)
     assert np.abs(bend).max() > 0.05, "it yields"
     before = dropped.part.surface.vertices
-    wanted = before + bend - nearest_rigid(before, before + bend)
+    wanted = before + bend - nearest(before, before + bend)
     shown = impact.motion(before, impact.end).deformation  # turned with the part
     assert np.linalg.norm(shown, axis=1) == pytest.approx(np.linalg.norm(wanted, axis=1), abs=2e-4)
     assert impact.time[-1] > impact.time[-2]
@@ -115,14 +115,20 @@ def turned(sphere):
     return rotation, rotation.apply(stretched) + np.array([3.0, -1.0, 2.0])
 
 
+def nearest(points, moved):
+    """Points as they lie after the motion as a whole that brings them nearest to others."""
+    turn, shift = rigid_motion(points, moved)
+    return points @ turn.T + shift
+
+
 def test_a_rigid_motion_is_found_again(sphere):
     moved = Rotation.from_rotvec([0.5, 0.1, -0.7]).apply(np.array(sphere.vertices)) + np.array([1.0, 2.0, 3.0])
-    assert np.allclose(nearest_rigid(sphere.vertices, moved), moved, atol=1e-9)
+    assert np.allclose(nearest(sphere.vertices, moved), moved, atol=1e-9)
 
 
 def test_a_mirror_image_is_no_rigid_motion(sphere):
     bent = sphere.vertices * [-1.0, 1.0, 1.2]
-    turned = nearest_rigid(sphere.vertices, bent)
+    turned = nearest(sphere.vertices, bent)
     a, b, c, d = (turned[index] - turned.mean(axis=0) for index in (0, 100, 2000, 3000))
     e, f, g, h = (sphere.vertices[index] for index in (0, 100, 2000, 3000))
     assert np.linalg.det([a - d, b - d, c - d]) == pytest.approx(np.linalg.det([e - h, f - h, g - h]), abs=1e-6)

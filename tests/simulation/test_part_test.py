@@ -5,13 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 
 import meshio
-import msgspec
 import numpy as np
 import pytest
 
 from mechstyle.errors import BadInput, SimulationFailed
-from mechstyle.fea.elements import QUADRATIC
-from mechstyle.fea.permanent_set import at_nodes
 from mechstyle.geometry.subdivision import subdivided
 from mechstyle.records import sentences
 from mechstyle.records.material import LIBRARY
@@ -78,7 +75,7 @@ def test_beside_its_original_a_part_is_judged_as_in_a_run(drop_it, found, block)
     """Alone it is judged by the same landings; its own original bends exactly as much."""
     compared = drop_it(original=block.surface)
     assert compared.original.landings == compared.simulation.landings == found.simulation.landings
-    assert [row.name for row in found.verdict.rows] == [row.name for row in compared.verdict.rows]
+    assert [row.landing for row in found.verdict.rows] == [row.landing for row in compared.verdict.rows]
     assert all(row.plain_permanent_set is None for row in found.verdict.rows)
     for row in compared.verdict.rows:
         assert row.plain_permanent_set == row.permanent_set
@@ -121,9 +118,6 @@ def test_energy_goes_somewhere_and_adds_up(block, found):
     shares = [getattr(course, name) for name in SHARES]
     assert sum(shares) == pytest.approx(1.0, abs=1e-6)
     assert min(shares) >= 0.0
-    assert 0.0 < course.balance_error < 1e-3
-    assert "within 1 %" in course.words
-    assert "NOT within" in msgspec.structs.replace(course, balance_error=0.02).words
 
 
 def test_the_peak_over_time_is_the_peak_of_the_drop(found):
@@ -141,7 +135,7 @@ def test_it_is_remembered_with_its_history(drop_it, found, monkeypatch):
     monkeypatch.setattr(simulator, "drop", lambda *_, **__: pytest.fail("it was dropped again"))
     again = drop_it()
     assert again.course == found.course
-    assert np.array_equal(again.detail.drop.von_mises, found.detail.drop.von_mises)
+    assert np.array_equal(again.history.kinetic, found.history.kinetic)
 
 
 def test_the_picture_is_of_the_worst_test_and_shows_what_stays_bent(drop_it, monkeypatch):
@@ -164,34 +158,17 @@ def test_the_picture_is_of_the_worst_test_and_shows_what_stays_bent(drop_it, mon
 def test_the_file_for_paraview_holds_what_was_found(found, block, tmp_path):
     read = meshio.read(found.save_vtu(tmp_path / "block.vtu"))
     nodes, in_cells = read.point_data, {name: values[0] for name, values in read.cell_data.items()}
-    assert set(nodes) == {"displacement", "deformation", "stays_bent", "stress", "contact", "stress_envelope"}
-    fields = [at_nodes(block.tets, QUADRATIC.at_corners(points)) for points in found.detail.drop.von_mises]
-    assert nodes["stress"].max() == pytest.approx(fields[0].max(), rel=1e-5)
-    assert nodes["stress_envelope"].max() == pytest.approx(np.max(fields), rel=1e-5)
-    assert np.array_equal(in_cells["von_mises"], found.detail.drop.von_mises[0].max(axis=1))
-    assert in_cells["von_mises_envelope"].max() == found.detail.drop.von_mises.max()
+    assert set(nodes) == {"stays_bent", "stress", "contact"}
+    assert in_cells["von_mises"].max() == pytest.approx(found.simulation.flat.maximum, rel=1e-6)
     assert np.array_equal(nodes["contact"] > 0, read.points[:, 2] < 1e-6)
-    assert len(read.points) > len(block.tets.vertices)  # middle nodes
-    moved = nodes["displacement"] - nodes["deformation"]
-    spread = np.linalg.norm((read.points + moved)[:, None] - (read.points + moved)[None, ::50], axis=2)
-    np.testing.assert_allclose(spread, np.linalg.norm(read.points[:, None] - read.points[None, ::50], axis=2), atol=1e-4)  # rigid
-    assert 0.0 < np.abs(nodes["deformation"]).max() < 0.5
-
-
-def test_every_landing_is_added_on_request(found, block, tmp_path):
-    read = meshio.read(found.save_vtu(tmp_path / "block.vtu", each_orientation=True))
-    for number, landing in enumerate(found.simulation.landings):
-        field = at_nodes(block.tets, QUADRATIC.at_corners(found.detail.drop.von_mises[number]))
-        assert read.point_data[f"stress_{number:02}"].max() == pytest.approx(field.max(), rel=1e-5)
-        assert read.cell_data[f"von_mises_{number:02}"][0].max() == pytest.approx(landing.maximum, rel=1e-5)
-        assert read.point_data[f"contact_{number:02}"].any()
+    assert np.array_equal(read.points, block.tets.vertices)
 
 
 def test_a_drop_that_failed_has_no_course_and_says_why(drop_it, monkeypatch, tmp_path):
     real = simulator.drop
     monkeypatch.setattr(simulator, "drop", lambda *args, **options: replace(real(*args, **options), failure="it blew up"))
     broken = drop_it(orientations=2)
-    assert broken.verdict.head == "UNKNOWN: it blew up."
+    assert broken.verdict.head == "UNKNOWN: in the landing 'direction 1' it blew up."
     assert broken.course is None
     assert broken.show().png[:4] == b"\x89PNG"
     for wanted in (broken.show_history, lambda: broken.save_vtu(tmp_path / "x.vtu")):

@@ -8,7 +8,7 @@ import msgspec
 import numpy as np
 import pytest
 
-from mechstyle.loop.objects import Memo, Objects
+from mechstyle.loop.objects import Memo, Memos, Objects
 from mechstyle.records.material import LIBRARY
 from mechstyle.simulation import physics as physics_module
 from mechstyle.simulation.physics import memo_key, physics, prescribed
@@ -67,7 +67,7 @@ def test_without_a_window_the_impact_ends_by_the_period_of_the_unstylized_part(b
                 assert landing.touches[0] == pytest.approx(np.sqrt(2 * 9.81e-3 * 1500.0))
                 assert landing.ended
     assert asked == [len(block[1].tets)]
-    assert physics_module.period_of(lambda: block[1], sim.recipe, shared) == real(discretised(block))
+    assert physics_module.period_of(lambda: block[1], sim.recipe, Memos((shared,))) == real(discretised(block))
     simulator(block, memo).simulate(bumps(block), thorough=False)
     assert len(asked) == 1, "a window needs no period"
 
@@ -75,10 +75,10 @@ def test_without_a_window_the_impact_ends_by_the_period_of_the_unstylized_part(b
 def test_a_forged_period_of_a_run_folder_stays_in_that_folder(block, memo, tmp_path):
     stranger, users = (Memo(tmp_path / name, Objects(tmp_path / f"{name}-objects")) for name in ("stranger", "users"))
     sim = simulator(block, memo, window=None, element="tet4")
-    honest = physics_module.period_of(lambda: block[1], sim.recipe, memo)
+    honest = physics_module.period_of(lambda: block[1], sim.recipe, Memos((memo,)))
     (key,) = [path.name for path in memo.folder.iterdir()]
     stranger.remember(key, 10.0 * honest)
-    assert physics_module.period_of(lambda: block[1], sim.recipe, stranger, users) == 10.0 * honest
+    assert physics_module.period_of(lambda: block[1], sim.recipe, Memos((users, stranger))) == 10.0 * honest
     assert not users.folder.exists()
     users.remember(key, honest)
-    assert physics_module.period_of(lambda: block[1], sim.recipe, stranger, users) == honest
+    assert physics_module.period_of(lambda: block[1], sim.recipe, Memos((users, stranger))) == honest

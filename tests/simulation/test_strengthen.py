@@ -15,7 +15,7 @@ from mechstyle.records.regions import region
 from mechstyle.runs.recipes import changed, draft
 from mechstyle.simulation import strengthen as module
 from mechstyle.simulation.part import Workpiece, standardised
-from mechstyle.simulation.strengthen import made_ready, strengthen, strengthened
+from mechstyle.simulation.strengthen import made_ready, strengthened
 from support.lanes import CORNER
 from support.records import landing, simulation
 
@@ -55,8 +55,12 @@ def bent(monkeypatch):
     return monkeypatch
 
 
+def strengthen(part, budget, **settings):
+    return strengthened(part, draft("brick", strengthen=budget, **settings), device=resolve_device("cpu"))
+
+
 def test_what_does_not_hold_is_thickened_until_it_does(bent, part):
-    found = strengthen(part, 2.0, device=resolve_device("cpu"))
+    found = strengthen(part, 2.0)
     assert [verdict.outcome for verdict in found.verdicts] == ["FAILS", "HOLDS"]
     assert 0 < found.added.max() <= 2.0
     assert found.added.max() > 0.5 * 4.0 * (np.sqrt(1.5) - 1.0)  # what bending asks for, half on each side
@@ -69,20 +73,20 @@ def test_what_does_not_hold_is_thickened_until_it_does(bent, part):
 def test_a_part_that_only_just_holds_is_thickened_on(bent, part):
     """On other tetrahedra, which its style will have, it may read a tenth more and not hold."""
     bent.setattr(Bent, "load", 1.41)
-    found = strengthen(part, 0.8, device="cpu")
+    found = strengthen(part, 0.8)
     assert found.rounds > 1
     assert (found.verdicts[1].outcome, found.verdicts[1].sure) == ("HOLDS", True)
 
 
 def test_what_only_just_holds_when_the_budget_is_spent_says_so(bent, part):
     bent.setattr(Bent, "load", 1.41)
-    found = strengthen(part, 0.4, device="cpu")
+    found = strengthen(part, 0.4)
     assert (found.verdicts[1].outcome, found.verdicts[1].sure) == ("HOLDS", False)
     assert "it only just holds, within 0.4 mm" in found.words
 
 
 def test_nothing_is_added_far_from_what_is_overloaded_or_to_what_it_stands_on(bent, part):
-    found = strengthen(part, 2.0, device="cpu")
+    found = strengthen(part, 2.0)
     far = np.abs(part.surface.vertices[:, 0]) > 38.0
     assert not found.added[far].any()
     assert not found.added[part.surface.vertices[:, 2] < 0.5].any()
@@ -91,7 +95,7 @@ def test_nothing_is_added_far_from_what_is_overloaded_or_to_what_it_stands_on(be
 
 def test_a_protected_region_keeps_its_shape(bent, part):
     where = region("back 12")
-    found = strengthen(part, 2.0, protect=[where], device="cpu")
+    found = strengthen(part, 2.0, protect=[where])
     held = selected(where, part.surface, part.thickness)
     assert not found.added[held].any()
     assert found.added[~held].any()
@@ -99,7 +103,7 @@ def test_a_protected_region_keeps_its_shape(bent, part):
 
 def test_the_budget_is_the_end_of_it(bent, part):
     bent.setattr(Bent, "load", 9.0)
-    found = strengthen(part, 0.3, device="cpu")
+    found = strengthen(part, 0.3)
     assert found.added.max() == pytest.approx(0.3)
     assert found.verdicts[1].outcome == "FAILS"
     assert "still does not hold within 0.3 mm" in found.words
@@ -107,20 +111,14 @@ def test_the_budget_is_the_end_of_it(bent, part):
 
 def test_what_holds_stays_as_it_is(bent, part):
     bent.setattr(Bent, "load", 0.8)
-    found = strengthen(part, 2.0, device="cpu")
+    found = strengthen(part, 2.0)
     assert not found.added.any()
     assert found.rounds == 0
     assert found.result is part
     assert "it holds as it is" in found.words
 
 
-def test_before_and_after_are_a_picture(bent, part):
-    assert strengthen(part, 1.0, device="cpu").show().png.startswith(b"\x89PNG")
-
-
 def test_a_budget_is_a_length_and_a_branch_has_none():
-    with pytest.raises(BadInput, match="must be above 0"):
-        strengthen(make("coaster"), 0.0)
     with pytest.raises(BadInput, match="strengthen is 30"):
         draft("brick", strengthen=30.0)
     with pytest.raises(BadInput, match="before its style"):

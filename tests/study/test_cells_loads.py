@@ -13,6 +13,7 @@ from mechstyle.simulation.part import prepare
 from mechstyle.study import cells as module
 from mechstyle.study.cells import scaled, with_loads, words_of
 from support.knob import knob
+from support.records import load_result
 
 PULLED = LoadCase(
     name="pulled",
@@ -78,7 +79,7 @@ def test_a_load_is_raised_until_the_plain_part_gives_way(monkeypatch):
         def loaded(self, *_, tolerance, **__):
             assert tolerance == 0.2
             carries = 50.0 / np.hypot(*self.case.loads[0].force[::2])
-            return {self.case.name: SimpleNamespace(factor=min(carries, 3.0), reached=carries <= 3.0)}
+            return {self.case.name: SimpleNamespace(result=load_result(factor=min(carries, 3.0), reached=carries <= 3.0))}
 
     monkeypatch.setattr(module, "StaticTest", Tested)
     monkeypatch.setattr(module, "prepare", lambda *_, **__: SimpleNamespace(tets=None))
@@ -94,4 +95,4 @@ def test_under_the_scaled_load_as_much_stays_bent_of_the_plain_part_as_the_toler
         found = with_loads(recipe, model, len(model.vertices), share=share, folder=tmp_path)
         tested = StaticTest(part.tets, found.test.loads, found.test.element)
         (case,) = tested.loaded(part.tets, found.test.material, tolerance=recipe.test.tolerance).values()
-        assert (case.permanent_set <= recipe.test.tolerance) is within
+        assert (case.result.permanent_set <= recipe.test.tolerance) is within

@@ -414,7 +414,6 @@ def _command_line(draw: random.Random, folder: Path) -> None:
     def cut_short(*_args: object, **_options: object) -> None:
         raise BadInput("it would begin now")
 
-    import mechstyle.gallery.style_sheet  # noqa: PLC0415
     import mechstyle.runs.protection  # noqa: PLC0415
     import mechstyle.runs.run  # noqa: PLC0415
     import mechstyle.simulation.part  # noqa: PLC0415
@@ -424,7 +423,6 @@ def _command_line(draw: random.Random, folder: Path) -> None:
         (mechstyle.runs.run, "started"), (mechstyle.simulation.part_test, "simulate"), (mechstyle.runs.run.Run, "go"),
         (mechstyle.runs.run.Run, "exported"),
         (mechstyle.runs.run.Run, "report"), (mechstyle.runs.run.Run, "show"),
-        (mechstyle.gallery.style_sheet, "contact_sheet"),
         (mechstyle.simulation.part, "standardised"), (mechstyle.runs.protection, "protect"),
     ]  # fmt: skip
     words = [draw.choice(VERBS), *draw.choices(ARGUMENTS, k=draw.randrange(6))]

@@ -21,7 +21,7 @@ from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.runs.images import remember
 from mechstyle.runs.recipes import FREESTYLE, brought, draft
 from mechstyle.runs.run import Run
-from mechstyle.simulation.estimate import estimated
+from mechstyle.simulation.estimate import estimated, landings_on_the_way, plan_of
 from mechstyle.teaching import STYLE, pawn
 from mechstyle_widgets.jupyter.cell_output import OncePerCell
 from mechstyle_widgets.jupyter.frame import Frame
@@ -46,7 +46,6 @@ from mechstyle_widgets.settings.schedule import ScheduleSelector
 from mechstyle_widgets.settings.section import Group
 from mechstyle_widgets.state.controller import Controller, Wanted
 from mechstyle_widgets.state.preview import Preview, Previewer
-from mechstyle_widgets.state.schedule_forecast import landings_on_the_way, plan_of
 from mechstyle_widgets.state.studio_state import StudioState, titled
 from mechstyle_widgets.timeline.timeline import Timeline
 from mechstyle_widgets.viewer.badge import of_state

@@ -164,10 +164,7 @@ def _head(run: LaneOfRun, history: Sequence[Row], simulations: int) -> Markup:
 def _verdict(verdict: Verdict) -> Markup:
     """The head of the verdict, the table of tests, what is in doubt, and how it came about."""
     headings, rows = sentences.tabulated(verdict)
-    shown = [
-        (*cells[:-1], badge(row.outcome, sure=row.sure) if row.decides else cells[-1])
-        for row, cells in zip(verdict.rows, rows, strict=True)
-    ]
+    shown = [(*cells[:-1], badge(row.outcome, sure=row.sure)) for row, cells in zip(verdict.rows, rows, strict=True)]
     doubt = fill('<p class="unknown">{doubt}</p>', doubt=verdict.doubt) if verdict.doubt else Markup("")
     meanings = joined(
         fill("<dt>{outcome}</dt><dd>{meaning}</dd>", outcome=badge(outcome), meaning=meaning)

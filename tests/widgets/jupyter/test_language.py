@@ -22,9 +22,12 @@ from mechstyle_widgets.jupyter import frame
 from mechstyle_widgets.jupyter.language import GERMAN, LANGUAGES, said, speak, word
 from mechstyle_widgets.jupyter.looks import family
 from mechstyle_widgets.jupyter.terms import terms
+from mechstyle_widgets.panels.branches import most_bent, side_by_side
+from mechstyle_widgets.panels.result import carried
 from mechstyle_widgets.settings.thumbnail_buttons import PictureChoice
 from mechstyle_widgets.studio import Studio
 from mechstyle_widgets.timeline.timeline import Curves
+from mechstyle_widgets.viewer.badge import in_full
 from support.german import MARKUP, english_in, plain
 from support.records import load_row, published_row, row, verdict
 
@@ -168,9 +171,9 @@ def test_every_verdict_is_said_in_german():
     found = [*map(verdict, TESTED), verdict(row(0.06), load_row()), verdict(measure=0)]
     found += [verdict(row(0.19), doubts=one) for one in doubts]
     told = [verdict.short for verdict in found] + [sentences.least(verdict) for verdict in found]
-    told += [line for verdict in found for line in sentences.in_full(verdict).split("\n")] + [sentences.carried(row) for row in TESTED]
-    told += [sentences.least_left("soft", verdict, {"main": "0.06 mm", "soft": "0.12 mm"}) for verdict in found if verdict.rows]
-    told += [sentences.side_by_side(("Freestyle", "MechStyle"), (one, found[0]), (1.0, kept)) for one in found for kept in (0.5, 0.95)]
+    told += [line for verdict in found for line in in_full(verdict).split("\n")] + [carried(row) for row in TESTED]
+    told += [most_bent("soft", verdict, {"main": "0.06 mm", "soft": "0.12 mm"}) for verdict in found if verdict.rows]
+    told += [side_by_side(("Freestyle", "MechStyle"), (one, found[0]), (1.0, kept)) for one in found for kept in (0.5, 0.95)]
     speak("de")
     texts = {said(one).replace("brick", "Ziegel").replace("coat", "Mantel") for one in told}
     assert {text: english for text in texts if (english := english_in(text))} == {}

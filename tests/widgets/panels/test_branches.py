@@ -6,9 +6,10 @@ from mechstyle.errors import MissingPiece
 from mechstyle.records.load_cases import Load, LoadCase, Support
 from mechstyle.records.regions import Inside
 from mechstyle.records.sentences import found
-from mechstyle_widgets.panels.branches import Branches, said, said_of
+from mechstyle_widgets.panels.branches import Branches, most_bent, said, said_of, side_by_side
 from mechstyle_widgets.state.controller import Controller, Wanted
 from mechstyle_widgets.state.studio_state import StudioState
+from support.records import UNKNOWN, load_row, published_row, row, verdict
 
 
 @pytest.fixture
@@ -120,3 +121,33 @@ def test_what_is_missing_for_a_branch_is_said(branches, done):
     branches.controller.wanted = refuse
     branches.branch()
     assert "the CLIP weights are not there; fetch them" in branches.trouble
+
+
+FLAT, BENT = row(0.06, plain_permanent_set=0.05), row(1.24, plain_permanent_set=0.02, place="high up")
+COAT, BROKEN = load_row(0.11, plain_permanent_set=0.1), load_row(3.0, carries=0.62, collapses=True)
+TWO = ("Freestyle", "MechStyle")
+
+
+@pytest.mark.parametrize(
+    ("free", "fed", "kept", "words"),
+    [
+        ((BENT,), (FLAT,), (1.0, 0.97),
+         "Both look alike. Freestyle stays bent by 1.24 mm and MechStyle stays bent by 0.06 mm, landing flat; 0.20 mm is allowed."),
+        ((FLAT,), (row(0.07),), (0.94, 0.6),
+         "MechStyle keeps 60% of the relief, Freestyle 94%. Of both 0.06 mm stays bent, landing flat; 0.20 mm is allowed."),
+        ((FLAT, BROKEN), (FLAT, COAT), (None, None),
+         "Freestyle gives way and MechStyle stays bent by 0.11 mm, under the load 'coat'; 0.20 mm is allowed."),
+        ((published_row(60.0),), (published_row(40.0),), (1.0, 1.0),
+         "Both look alike. Largest stress: Freestyle 60.0 MPa, MechStyle 40.0 MPa; 45.6 MPa is allowed."),
+        ((BENT,), (load_row(),), (1.0, 1.0), "One of the two gave no answer, so there is nothing to compare."),
+    ],
+)  # fmt: skip
+def test_two_runs_are_compared_in_the_test_that_decides(free, fed, kept, words):
+    assert side_by_side(TWO, (verdict(*free), verdict(*fed)), kept) == words
+    assert "nothing to compare" in side_by_side(TWO, (UNKNOWN, verdict(*fed)), kept)
+
+
+def test_the_mark_at_the_worst_place_says_where_it_stays_bent_most():
+    marked = most_bent("soft", verdict(FLAT), {"main": "0.04 mm", "soft": "0.06 mm"})
+    assert marked.startswith("✕ marks where soft stays bent most (flat: plain 0.05 mm, brick 0.06 mm); ")
+    assert marked.endswith("main 0.04 mm, soft 0.06 mm.")

@@ -8,7 +8,8 @@ import msgspec
 import pytest
 
 from mechstyle.records import Doubt, sentences
-from mechstyle_widgets.panels.result import Result, of_verdict, steps
+from mechstyle.runs.summary import little_left
+from mechstyle_widgets.panels.result import Result, carried, of_verdict, steps, weighed
 from mechstyle_widgets.state.studio_state import StudioState
 from support.records import load_row, row, verdict
 
@@ -55,7 +56,7 @@ def test_a_plan_gives_way_to_the_table_of_falls_and_the_outcome_of_each_lane(don
     state.open(done)
     assert "Drop the plain part" not in result.value
     last = done.history[-1].verdict
-    for words in ("MechStyle", "soft", last.outcome, *sentences.COLUMNS, *sentences.table(last)[0]):
+    for words in ("MechStyle", "soft", last.outcome, *sentences.COLUMNS, *sentences.tabulated(last)[1][0]):
         assert words in result.value
     assert last.head.split("(")[0] in result.value
 
@@ -66,7 +67,7 @@ def test_the_table_is_that_of_the_lane_on_show(done):
     state.lane = "soft"
     assert result.value != before
     _, verdict = next((row, row.verdict) for row in reversed(state.history) if row.verdict is not None)
-    assert sentences.table(verdict)[0][2] in result.value
+    assert sentences.tabulated(verdict)[1][0][2] in result.value
 
 
 def test_a_plain_part_has_one_column_of_what_stays_bent(done):
@@ -106,14 +107,14 @@ def test_what_a_part_weighs_stands_under_its_verdict_beside_the_plain_one(done, 
     assert "weighs" not in Result(StudioState(done)).value, "a sheet encloses nothing"
     monkeypatch.setattr(type(done.part.surface), "volume", property(lambda mesh: 1000.0 if mesh is done.part.surface else 1100.0))
     density = done.recipe.test.material.density
-    assert sentences.weighed(1100.0 * density, 1000.0 * density) in Result(StudioState(done)).value
-    assert sentences.weighed(41.6, 38.2) == "Printed solid it weighs 42 g, the plain part 38 g."
-    assert sentences.weighed(1.36, 1.24) == "Printed solid it weighs 1.4 g, the plain part 1.2 g."
+    assert weighed(1100.0 * density, 1000.0 * density) in Result(StudioState(done)).value
+    assert weighed(41.6, 38.2) == "Printed solid it weighs 42 g, the plain part 38 g."
+    assert weighed(1.36, 1.24) == "Printed solid it weighs 1.4 g, the plain part 1.2 g."
 
 
 def test_what_the_command_line_would_say_of_a_finished_lane_is_said_but_for_what_the_badge_says(done, monkeypatch):
     notes = ("the relief was lowered on 3% of the surface, where it would have folded over itself", "a note of <mine>")
-    summary = SimpleNamespace(kept=0.33, notes=(*notes, sentences.little_left(0.33, "auto")))
+    summary = SimpleNamespace(kept=0.33, notes=(*notes, little_left(0.33, "auto")))
     state = StudioState(done)
     assert "<details" not in Result(state).value
     monkeypatch.setattr(type(done), "summary", property(lambda _run: summary))
@@ -122,3 +123,10 @@ def test_what_the_command_line_would_say_of_a_finished_lane_is_said_but_for_what
     assert "outwards" not in result.value
     state.iteration = 8
     assert "<details" not in result.value
+
+
+def test_how_much_of_a_load_is_carried_is_a_factor_and_what_was_not_tried_is_at_least():
+    coat = load_row(0.11, plain_permanent_set=0.1)
+    assert carried(coat) == "it carries 1.50 times the load 'coat'"
+    assert carried(msgspec.structs.replace(coat, most_tried=True)) == "it carries at least 1.50 times the load 'coat'"
+    assert carried(row(0.06)) == ""

@@ -11,9 +11,9 @@ import pytest
 from mechstyle.errors import BadInput
 from mechstyle.geometry.files import save
 from mechstyle.loop.engine import SimulationStarted
-from mechstyle.records.sentences import duration
 from mechstyle.runs.report.reproduce import command_for
 from mechstyle.runs.run import Run
+from mechstyle.simulation.estimate import duration
 from mechstyle.simulation.part import Origin
 from mechstyle_widgets.panels.run_controls import RunControls
 from mechstyle_widgets.settings.part import PartPicker

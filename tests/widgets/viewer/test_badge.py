@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from mechstyle.records import Doubt, sentences
+from mechstyle.runs.summary import little_left
 from mechstyle_widgets.state.outcomes import DOUBT, LOOKS, UNTESTED
 from mechstyle_widgets.state.studio_state import StudioState
 from mechstyle_widgets.viewer import badge
@@ -58,7 +59,7 @@ def test_where_the_mouse_rests_it_says_how_the_part_is_judged_and_every_figure()
     title = badge.judged(found).split('title="')[1].split('">')[0]
     for sentence in sentences.EXPLANATION:
         assert escape(sentence) in title
-    for line in sentences.table(found):
+    for line in sentences.tabulated(found)[1]:
         for cell in line:
             assert escape(cell) in title
 
@@ -92,7 +93,7 @@ def test_it_tells_of_the_last_test_and_when_that_was_in_grey(done):
 @pytest.mark.parametrize("left", [0.33, 0.95])
 def test_where_little_of_the_style_is_left_it_says_so_and_what_to_try(done, monkeypatch, left):
     """The command line said it, and who ran it in a Studio never heard."""
-    notes = tuple(filter(None, ("drawn with care", sentences.little_left(left, "auto"))))
+    notes = tuple(filter(None, ("drawn with care", little_left(left, "auto"))))
     monkeypatch.setattr(type(done), "summary", property(lambda _run: SimpleNamespace(kept=left, notes=notes)))
     state = StudioState(done)
     said, _ = badge.of_state(state)
@@ -134,3 +135,13 @@ def test_keys_turn_the_part_and_bring_it_back(done):
     for _ in range(12):
         viewer.key("ArrowUp")
     assert viewer._orbit.seen.elevation == pytest.approx(85.0)
+
+
+def test_in_full_every_test_is_a_line_between_how_it_is_judged_and_the_doubt():
+    judged = verdict(
+        row(0.06, plain_permanent_set=0.05), row(0.1, test="nearly flat", landing="tilted left"), doubts=(Doubt(about="relief", value=0.7),)
+    )
+    first, said, flat, nearly, last = badge.in_full(judged).splitlines()
+    assert (first, said, last) == (" ".join(sentences.EXPLANATION), judged.head, judged.doubt)
+    assert flat == "flat: plain 0.05 mm, styled 0.06 mm, allowed 0.20 mm, strain 0.0%, outcome HOLDS"
+    assert nearly.startswith("tilted left: plain 0 mm")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from html import escape
 from typing import Any
@@ -26,6 +26,11 @@ from mechstyle_widgets.state.controller import Controller
 from mechstyle_widgets.state.outcomes import LOOKS
 from mechstyle_widgets.state.studio_state import FREE
 from mechstyle_widgets.viewer.badge import worst_vertex
+
+ALIKE = 0.9
+"""Share of the other's relief from which on a part looks like it."""
+SAME = 0.02
+"""Difference up to which two permanent sets are about the same [mm]."""
 
 
 class Branches(Section):
@@ -141,7 +146,7 @@ class Branches(Section):
         (run, _, checkpoint), verdict = max(judged, key=lambda one: one[1].deciding.used if one[1].deciding else 0.0)
         vertex, called = worst_vertex(run.part.surface.displaced(checkpoint.displacement), checkpoint, verdict), self.state.called
         there = {called(one.lane): self._there(one, state, its, vertex) for (one, _, state), its in judged}
-        return vertex, sentences.least_left(called(run.lane), verdict, there)
+        return vertex, most_bent(called(run.lane), verdict, there)
 
     def _there(self, run: Run, state: Checkpoint, verdict: Verdict, vertex: int) -> str:
         """What the test that decides found at a vertex: what stays bent there, by the published rule the stress."""
@@ -160,7 +165,7 @@ class Branches(Section):
         if one.verdict is None or other.verdict is None:
             return ""
         names = self.state.called(FREE), self.state.called(self.lane)
-        return sentences.side_by_side(names, (one.verdict, other.verdict), (share_kept(free, one), share_kept(fed, other)))
+        return side_by_side(names, (one.verdict, other.verdict), (share_kept(free, one), share_kept(fed, other)))
 
     def _list(self, _change: object = None) -> None:
         names = [branch.lane for branch in self.state.branches]
@@ -209,6 +214,37 @@ def _line(branch: Branch, rows: Sequence[Row], called: Callable[[str], str]) -> 
     return f"{LOOKS[outcome].mark if outcome else '·'} {called(branch.lane)}: {translated(where + origin)}"
 
 
+def side_by_side(names: tuple[str, str], verdicts: tuple[Verdict, Verdict], kept: tuple[float | None, float | None]) -> str:
+    """How two runs of one part and style compare, in two short sentences: how they look, and what stays bent where they differ most.
+
+    `kept` are the shares of the relief that are left, None where that is not known.
+    """
+    pairs = [(one, other) for one in verdicts[0].rows if (other := verdicts[1].row(landing=one.landing, load=one.load)) is not None]
+    if not pairs or any(verdict.outcome == "UNKNOWN" for verdict in verdicts):
+        return "One of the two gave no answer, so there is nothing to compare."
+    first, second = max(pairs, key=lambda pair: max(row.used for row in pair))
+    alike, (free, fed) = "", kept
+    if free is not None and fed is not None and free > 0.0:
+        alike = "Both look alike. " if fed >= ALIKE * free else f"{names[1]} keeps {fed:.0%} of the relief, {names[0]} {free:.0%}. "
+    if first.stress is not None:
+        stresses = ", ".join(f"{name} {sentences.found(row)}" for name, row in zip(names, (first, second), strict=True))
+        stresses = ", ".join(f"{name} {sentences.found(row)}" for name, row in zip(names, (first, second), strict=True))
+        return f"{alike}Largest stress: {stresses}; {sentences.allowed(first)} is allowed."
+    where = sentences.landed(first)
+    each = ("gives way" if row.collapses else f"stays bent by {sentences.found(row)}" for row in (first, second))
+    compared = f"{' and '.join(f'{name} {does}' for name, does in zip(names, each, strict=True))}, {where}"
+    if abs(second.permanent_set - first.permanent_set) <= SAME and not any(row.cracks or row.collapses for row in (first, second)):
+        compared = f"Of both {sentences.found(first)} stays bent, {where}"
+    return f"{alike}{compared}; {sentences.allowed(first)} is allowed."
+
+
+def most_bent(lane: str, verdict: Verdict, there: Mapping[str, str]) -> str:
+    """What a mark at the worst place says; `there` are the figures of each lane at that place."""
+    known = ", ".join(f"{name} {figure}" for name, figure in there.items())
+    worst = "is loaded" if verdict.criterion == "paper" else "stays bent"
+    return f"✕ marks where {lane} {worst} most ({sentences.least(verdict)}); there, each in its worst test: {known}."
+
+
 def results(run: Run, row: Row, checkpoint: Checkpoint) -> dict[str, str]:
     """Results of an iteration of a lane, as table cells."""
     verdict = row.verdict
@@ -217,7 +253,7 @@ def results(run: Run, row: Row, checkpoint: Checkpoint) -> dict[str, str]:
         "iteration": str(row.iteration),
         "simulated because": row.reason or "not simulated",
         "outcome": "–" if verdict is None else said_of(verdict),
-        **({} if verdict is None else sentences.stays_bent(verdict)),
+        **({} if verdict is None else {sentences.label(test): sentences.found(test) for test in verdict.rows}),
         "allowed": "–" if decides is None else sentences.allowed(decides),
         "relief kept": kept(run, row),
         "style loss": f"{row.style_loss:.3g}",

@@ -9,12 +9,13 @@ from typing import Any
 
 from mechstyle.errors import MechStyleError
 from mechstyle.loop.history import standing
-from mechstyle.records import Verdict, sentences
+from mechstyle.records import Row, Verdict, sentences
 from mechstyle.runs.run import Run
+from mechstyle.runs.summary import little_left
+from mechstyle.simulation.estimate import landings_on_the_way, plan_of
 from mechstyle_widgets.jupyter.language import said, word
 from mechstyle_widgets.panels.branches import kept, said_of
 from mechstyle_widgets.settings.section import WIDE, Words, table
-from mechstyle_widgets.state.schedule_forecast import landings_on_the_way, plan_of
 from mechstyle_widgets.state.studio_state import StudioState
 
 LANES = ("run", "outcome", "kept")
@@ -50,7 +51,7 @@ class Result(Words):
         if run is None or shown is None or (plain := run.part.surface.volume) <= 0.0:
             return ""
         density, styled = run.recipe.test.material.density, run.part.surface.displaced(shown.displacement).volume
-        words, price = said(sentences.weighed(density * styled, density * plain)), self._state.price
+        words, price = said(weighed(density * styled, density * plain)), self._state.price
         if price:
             costs = (f"{1e-3 * price * density * volume:.2f}" for volume in (styled, plain))
             words += " " + word("Its filament costs {}, that of the plain part {}, at {} per kg.").format(*costs, f"{price:g}")
@@ -61,7 +62,7 @@ class Result(Words):
         run, state = self._state.run, self._state
         with suppress(MechStyleError):  # there is no summary before the end
             if run is not None and state.iteration == state.iterations_done:
-                little = sentences.little_left(run.summary.kept, run.recipe.style.side)
+                little = little_left(run.summary.kept, run.recipe.style.side)
                 items = "".join(f"<li>{escape(said(note))}</li>" for note in run.summary.notes if note != little)
                 head = f"<summary>{escape(word('More about it'))}</summary>"
                 return f'<details class="mechstyle-note">{head}<ul>{items}</ul></details>' if items else ""
@@ -87,10 +88,23 @@ def of_verdict(verdict: Verdict) -> str:
         every = escape(word("all {} tests").format(len(rows)))
         falls = f"{table(headings, [cells for _, cells in worst])}<details><summary>{every}</summary>{falls}</details>"
     falls = f'<div class="mechstyle-tests">{falls}</div>' if falls else ""
-    for carried in filter(None, map(sentences.carried, verdict.rows)):
-        falls += f'<div class="mechstyle-note">{escape(said(carried))}</div>'
+    for words in filter(None, map(carried, verdict.rows)):
+        falls += f'<div class="mechstyle-note">{escape(said(words))}</div>'
     unsure = f'<div class="mechstyle-warning" role="status">{escape(said(doubt))}</div>' if doubt else ""
     return f"<div>{escape(said(verdict.head))}</div>{falls}{unsure}"
+
+
+def weighed(styled: float, plain: float) -> str:
+    """What a part printed solid weighs beside the plain part [g]."""
+    figures = 0 if plain >= 20.0 else 1
+    return f"Printed solid it weighs {styled:.{figures}f} g, the plain part {plain:.{figures}f} g."
+
+
+def carried(row: Row) -> str:
+    """How much of a load the part carries, "" for a landing."""
+    if row.carries is None:
+        return ""
+    return f"it carries {'at least ' if row.most_tried else ''}{row.carries:.2f} times the load {row.load!r}"
 
 
 def steps(settings: Mapping[str, Any]) -> list[str]:

@@ -11,7 +11,7 @@ import ipywidgets
 import traitlets
 
 from mechstyle.errors import MechStyleError
-from mechstyle.records.sentences import duration
+from mechstyle.simulation.estimate import duration
 from mechstyle_widgets.jupyter.language import said, word
 from mechstyle_widgets.jupyter.looks import lean, show
 from mechstyle_widgets.settings.section import WIDE, Section

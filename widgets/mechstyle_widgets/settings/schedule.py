@@ -9,11 +9,11 @@ import traitlets
 
 from mechstyle.records import SCHEDULES, Recipe
 from mechstyle.runs.recipes import MASKED
+from mechstyle.simulation.estimate import Plan, plan
 from mechstyle_widgets.jupyter.language import word
 from mechstyle_widgets.jupyter.looks import lean, show
 from mechstyle_widgets.jupyter.svg import Frame, drawing, line
 from mechstyle_widgets.settings.section import WIDE, Section, linked, setting
-from mechstyle_widgets.state.schedule_forecast import Plan, plan
 
 WHAT = {
     "every": "every k iterations",

@@ -33,7 +33,7 @@ def model_picture(name: str) -> bytes:
 
 def style_picture(name: str) -> bytes:
     """A style on an upright plate as PNG."""
-    from mechstyle.gallery.style_sheet import swatch  # noqa: PLC0415 — as above
+    from mechstyle.gallery.swatches import swatch  # noqa: PLC0415 — as above
 
     return swatch(name)
 

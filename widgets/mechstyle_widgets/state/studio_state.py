@@ -23,7 +23,7 @@ from mechstyle.runs.run import Run
 from mechstyle.runs.session import Session
 from mechstyle_widgets.jupyter.language import word
 from mechstyle_widgets.jupyter.throttle import running_loop
-from mechstyle_widgets.state.time_left import Outlook, Stopwatch
+from mechstyle_widgets.state.time_left import Stopwatch
 from mechstyle_widgets.state.troubles import sentence
 
 STATUSES = ("idle", "preparing", "running", "paused", "stopped", "finished", "failed")
@@ -113,7 +113,7 @@ class StudioState(traitlets.HasTraits):
         self._stale, self._due, self._pumped = False, False, 0.0
         self._loop = running_loop()
         self._opened: Run | None = None
-        self._watch, self._outlook, self._iterations, self._foretold = Stopwatch(), Outlook(), 1, 0.0
+        self._watch, self._iterations, self._foretold = Stopwatch(), 1, 0.0
         self._last = ("", -1)  # digest and iteration of the newest checkpoint of the session
         self._seconds: dict[str, float] = {}
         self._rows: dict[str, Row] = {}
@@ -240,7 +240,7 @@ class StudioState(traitlets.HasTraits):
         """
         self.message = ""
         self.session, self._iterations, self._foretold = session, iterations, foretold
-        self._watch, self._outlook, self._last = Stopwatch(), Outlook(), ("", -1)
+        self._watch, self._last = Stopwatch(), ("", -1)
         session.listen(lambda event: self._hear(event) if session is self.session else None)
 
         def changed(state: str) -> None:
@@ -297,9 +297,9 @@ class StudioState(traitlets.HasTraits):
     def _hear(self, event: Event) -> None:
         """In the worker thread: what an event means for the traits."""
         if isinstance(event, Stylized):
-            self.tell(status="running", stage="stylizing", **self._left(event.iteration))
+            self.tell(status="running", stage="stylizing", **self.left_as_foretold())
         elif isinstance(event, SimulationStarted):
-            self.tell(status="running", stage=f"drop test: {event.reason}", step=0.0, **self._left(event.iteration))
+            self.tell(status="running", stage=f"drop test: {event.reason}", step=0.0, **self.left_as_foretold())
         elif isinstance(event, Corrected):
             self.tell(stage=f"correcting: {event.step}")
         elif isinstance(event, Checkpointed):
@@ -315,18 +315,12 @@ class StudioState(traitlets.HasTraits):
             self._seconds[event.digest] = seconds + self._seconds[made.parent]
         else:
             self._seconds[event.digest] = seconds
-            if made.iteration > 0:
-                self._outlook.record(seconds, simulated=made.simulated_at == made.iteration)
         self._last = (event.digest, made.iteration)
 
-    def _left(self, iteration: int) -> dict[str, Any]:
-        left = self._outlook.seconds_left(self._iterations - iteration + 1)
-        return self.left_as_foretold() if left is None else {"seconds_left": left}
-
     def left_as_foretold(self) -> dict[str, Any]:
-        """Time left by the estimate of before, from any thread; nothing once a drop test knows better, or more has passed."""
+        """Time left by the estimate of before, from any thread; nothing once more has passed."""
         left = self._foretold - self._watch.total
-        return {} if self._outlook.known or not self._foretold else {"seconds_left": left if left > 0.0 else None}
+        return {"seconds_left": left if left > 0.0 else None} if self._foretold else {}
 
 
 class Linked(traitlets.HasTraits):

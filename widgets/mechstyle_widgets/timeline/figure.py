@@ -18,9 +18,9 @@ from plotly.subplots import make_subplots
 
 from mechstyle.loop.history import Branch, Row
 from mechstyle.records import sentences
+from mechstyle.simulation.estimate import Plan
 from mechstyle_widgets.jupyter.language import said, word
 from mechstyle_widgets.state.outcomes import DOUBT, LOOKS
-from mechstyle_widgets.state.schedule_forecast import Plan
 from mechstyle_widgets.state.studio_state import called
 
 CURVES = {"": "nothing more", "style_loss": "style still missing", "travel": "change since the last test", "seconds": "seconds"}

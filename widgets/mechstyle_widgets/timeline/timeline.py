@@ -9,12 +9,12 @@ import ipywidgets
 import traitlets
 from plotly.offline import get_plotlyjs
 
+from mechstyle.simulation.estimate import plan_of
 from mechstyle_widgets.jupyter.cell_output import OncePerCell
 from mechstyle_widgets.jupyter.frame import Framed, unseen
 from mechstyle_widgets.jupyter.looks import close_family, lean, sharing, show, unheard
 from mechstyle_widgets.jupyter.page_widget import PageWidget, static
 from mechstyle_widgets.jupyter.throttle import Paced
-from mechstyle_widgets.state.schedule_forecast import plan_of
 from mechstyle_widgets.state.studio_state import Linked, StudioState
 from mechstyle_widgets.timeline import figure as timeline_figure
 from mechstyle_widgets.timeline.figure import CURVES, TEMPLATES

@@ -13,6 +13,7 @@ from mechstyle.errors import MechStyleError
 from mechstyle.loop.history import Row
 from mechstyle.records import Checkpoint, Verdict, sentences
 from mechstyle.records.mesh import SurfaceMesh
+from mechstyle.runs.summary import little_left
 from mechstyle_widgets.jupyter.language import said
 from mechstyle_widgets.jupyter.looks import lean, show
 from mechstyle_widgets.jupyter.page_widget import static
@@ -58,9 +59,16 @@ def of_state(state: StudioState) -> tuple[str, Verdict | None]:
     assert verdict is not None
     whose = said(f"{'This' if state.busy else 'Last'} run: {state.title}")
     head, tested = f"<small><b>{escape(whose)}</b></small>" if state.another else "", rows[-1].iteration
-    when = sentences.tested_at(tested) if tested < state.length else ""  # where that was not at the end
+    when = f"tested at iteration {tested}" if tested < state.length else ""  # where that was not at the end
     kept, little = _kept(state)
     return head + judged(verdict, when, kept, aged=tested < state.iteration) + little, verdict
+
+
+def in_full(verdict: Verdict) -> str:
+    """How a part is judged, the outcome, every figure of the table and the doubt, a line each."""
+    headings, rows = sentences.tabulated(verdict)
+    lines = [f"{row[0]}: {', '.join(f'{name} {cell}' for name, cell in zip(headings[1:], row[1:], strict=True))}" for row in rows]
+    return "\n".join(filter(None, (" ".join(sentences.EXPLANATION), verdict.head, *lines, verdict.doubt)))
 
 
 def judged(verdict: Verdict, when: str = "", kept: str = "", *, aged: bool = False) -> str:
@@ -70,7 +78,7 @@ def judged(verdict: Verdict, when: str = "", kept: str = "", *, aged: bool = Fal
     """
     more = " · ".join(filter(None, (sentences.least(verdict), kept, when)))
     sign = _outcome(verdict, verdict.short, aged=aged)
-    return f'<div title="{escape(said(sentences.in_full(verdict)))}">{sign}</div><small>{escape(said(more))}</small>'
+    return f'<div title="{escape(said(in_full(verdict)))}">{sign}</div><small>{escape(said(more))}</small>'
 
 
 def insight(words: str) -> str:
@@ -82,7 +90,7 @@ def outcome(row: Row | None) -> str:
     """HTML for the outcome of an iteration; that it was not tested if it was not."""
     if row is None or row.verdict is None:
         return f"<small>{_sign(UNTESTED, sentences.NOT_TESTED)}</small>"
-    figures, whole = escape(said(sentences.least(row.verdict))), escape(said(sentences.in_full(row.verdict)))
+    figures, whole = escape(said(sentences.least(row.verdict))), escape(said(in_full(row.verdict)))
     return f'<small title="{whole}">{_outcome(row.verdict, row.verdict.outcome)}<br>{figures}</small>'
 
 
@@ -114,7 +122,7 @@ def _kept(state: StudioState) -> tuple[str, str]:
     run = state.run
     with suppress(MechStyleError):  # there is no summary before the end
         if run is not None and state.iteration == state.iterations_done:
-            little = sentences.little_left(run.summary.kept, run.recipe.style.side)
+            little = little_left(run.summary.kept, run.recipe.style.side)
             warned = f'<div class="mechstyle-warning" role="status">{escape(said(little))}</div>' if little in run.summary.notes else ""
             return f"{run.summary.kept:.0%} of the relief kept", warned
     return "", ""

@@ -1,40 +1,38 @@
-"""Pictures of styles and models: contact sheets, and the list of styles, each on a small plate drawn once and kept in the cache folder."""
+"""Contact sheets of styles and models, which pages show: run it for docs/styles.png.
+
+python benchmarks/sheets.py
+"""
 
 from __future__ import annotations
 
-import base64
-import hashlib
-import html
 import io
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
 from numpy.typing import NDArray
+from PIL import Image
 
-from mechstyle import styling
-from mechstyle._files import cache_folder, write_whole
-from mechstyle.fea.explicit import no_progress
 from mechstyle.gallery import make
 from mechstyle.gallery import names as models
 from mechstyle.geometry.thickness import local_thickness
+from mechstyle.pictures.colormap import PLAIN
+from mechstyle.pictures.figure import DPI, FAINT, INK
 from mechstyle.pictures.panels import Picture
+from mechstyle.pictures.scene import BACKGROUND, Camera, render
 from mechstyle.records.mesh import STANDARD_VERTICES, SurfaceMesh
-from mechstyle.simulation.part import INWARD_SHARE, Stage, standardised
+from mechstyle.simulation.part import INWARD_SHARE, standardised
 from mechstyle.styling.dimensions import Dimensions, outwards
 from mechstyle.styling.drawing.canvas import Canvas
 from mechstyle.styling.drawn import target
-from mechstyle.styling.library import library, names, style_named
+from mechstyle.styling.library import names, style_named
 from mechstyle.styling.prompt import Wish
-from mechstyle.styling.style import Style
-from mechstyle.styling.vocabulary import called
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 PARTS: Mapping[str, Mapping[str, float]] = MappingProxyType({
     "vase": {}, "phone_stand": {}, "lampshade": {"wall": 1.5}, "utensil_grip": {},
@@ -79,7 +77,6 @@ class Specimen:
 
 def contact_sheet(
     *, styles: Sequence[str] = (), parts: Mapping[str, Mapping[str, float]] = PARTS, vertices: int = PICTURED, columns: int = 2,
-    stage: Stage = no_progress,
 ) -> Picture:  # fmt: skip
     """A row for each style: on every part, coloured and in grey, which shows the relief alone.
 
@@ -88,28 +85,15 @@ def contact_sheet(
         parts: Gallery models and their measures [mm] where they differ from the models' own.
         vertices: Vertices of the standardised surfaces.
         columns: Columns of rows, so that the page is not a ribbon.
-        stage: Called with what is being drawn.
-
-    Raises:
-        BadInput: An unknown style or model.
     """
     known = [style_named(name) for name in styles or names()]
-    specimens = []
-    for part, measures in parts.items():
-        stage(f"preparing {part}")
-        specimens.append(Specimen.of(make(part, **measures), vertices))
-    rows = []
-    for style in known:
-        stage(style.name)
-        rows.append(np.hstack([_pair(specimen.styled(Wish(style.name))[0]) for specimen in specimens]))
+    specimens = [Specimen.of(make(part, **measures), vertices) for part, measures in parts.items()]
+    rows = [np.hstack([_pair(specimen.styled(Wish(style.name))[0]) for specimen in specimens]) for style in known]
     return Picture(_page(rows, [(style.name.replace("_", " "), style.description) for style in known], columns))
 
 
 def _pair(styled: SurfaceMesh) -> Pixels:
     """A styled part in its colours and, beside it, in plain grey, shape [CELL, 2 · CELL, 3]."""
-    from mechstyle.pictures.colormap import PLAIN  # noqa: PLC0415 — matplotlib is loaded when a picture is wanted
-    from mechstyle.pictures.scene import Camera, render  # noqa: PLC0415 — as above
-
     camera = Camera.named("three_quarter", styled.vertices)
     grey = np.broadcast_to(PLAIN, styled.vertices.shape)
     return np.hstack([render(styled, camera=camera, width=CELL, height=CELL, colours=colours) for colours in (None, grey)])
@@ -127,8 +111,6 @@ def _laid_out(
     size: tuple[int, int], pictures: Sequence[Pixels], places: Sequence[tuple[int, int]], labels: Sequence[tuple[str, str]], shades: int
 ) -> bytes:
     """Pictures on a page of a height and width, each below its label at a place (left, top), as PNG."""
-    from mechstyle.pictures.scene import BACKGROUND  # noqa: PLC0415 — as above
-
     page: Pixels = np.broadcast_to(np.rint(255.0 * np.array(BACKGROUND)).astype(np.uint8), (*size, 3)).copy()
     for picture, (left, top) in zip(pictures, places, strict=True):
         page[top + LINE : top + LINE + picture.shape[0], left : left + picture.shape[1]] = picture
@@ -137,10 +119,6 @@ def _laid_out(
 
 def lettered(page: Pixels, places: Sequence[tuple[int, int]], labels: Sequence[tuple[str, str]]) -> Figure:
     """The page as a figure of the same pixels, with a name and a description at each place."""
-    from matplotlib.figure import Figure  # noqa: PLC0415 — as above
-
-    from mechstyle.pictures.figure import DPI, FAINT, INK  # noqa: PLC0415
-
     height, width = page.shape[:2]
     sheet = Figure(figsize=(width / DPI, height / DPI), dpi=DPI)
     axes = sheet.add_axes((0, 0, 1, 1))
@@ -155,9 +133,6 @@ def lettered(page: Pixels, places: Sequence[tuple[int, int]], labels: Sequence[t
 
 def png(sheet: Figure, shades: int = SHADES) -> bytes:
     """A figure as a PNG of few shades, which packs well."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: PLC0415 — as above
-    from PIL import Image  # noqa: PLC0415
-
     canvas: Any = FigureCanvasAgg(sheet)
     canvas.draw()
     step = 256 // shades
@@ -176,8 +151,6 @@ GREYS = 128
 
 def model_sheet() -> Picture:
     """A contact sheet of the models with their default measures."""
-    from mechstyle.pictures.scene import Camera, render  # noqa: PLC0415 — matplotlib is loaded when a picture is wanted
-
     size = (-(-len(models()) // COLUMNS) * (SIDE + LINE) + 2 * MARGIN, COLUMNS * SIDE + 2 * MARGIN)
     pictures, places, labels = [], [], []
     for number, name in enumerate(models()):
@@ -189,98 +162,5 @@ def model_sheet() -> Picture:
     return Picture(_laid_out(size, pictures, places, labels, GREYS))
 
 
-PLATE_ROWS, PLATE_COLUMNS = 80, 107
-"""Vertices of the plate from below and from the left, and pixels of its picture."""
-PLATE_STEP = 0.75
-"""Distance of neighbouring vertices [mm]."""
-PLATE_SIZE, PLATE_HEIGHT = 2.4, 2.0
-"""Factor on the size of features, which suit a part of 100 mm, and what a relief of 1 stands for [mm]."""
-
-
-@dataclass(frozen=True)
-class Styles:
-    """The offline styles, with their pictures in a notebook."""
-
-    known: tuple[Style, ...]  # the styles by name
-
-    def __iter__(self) -> Iterator[Style]:
-        """The styles in order."""
-        return iter(self.known)
-
-    def __len__(self) -> int:
-        """Number of styles."""
-        return len(self.known)
-
-    def __repr__(self) -> str:
-        """A line for each."""
-        wide = max(len(style.name) for style in self.known)
-        return "\n".join(f"{style.name:<{wide}}  {style.description}" for style in self.known)
-
-    def _repr_html_(self) -> str:
-        head = "".join(f'<th scope="col" style="text-align:left">{title}</th>' for title in ("", "style", "also called", "what it is"))
-        return f"<table><thead><tr>{head}</tr></thead><tbody>{''.join(map(_row, self.known))}</tbody></table>"
-
-
-def styles() -> Styles:
-    """The offline styles; as the last expression of a notebook cell they are shown with pictures, which takes seconds the first time.
-
-    Example:
-        >>> ms.styles()
-        art_deco       overlapping fans of golden rays on black
-        bamboo         upright green canes side by side, with rings at their joints
-        ...
-    """
-    return Styles(tuple(library().values()))
-
-
-def _row(style: Style) -> str:
-    picture = base64.b64encode(swatch(style.name)).decode()
-    words = ", ".join(word.replace("_", " ") for word in called(style.name))
-    size = f'width="{PLATE_COLUMNS}" height="{PLATE_ROWS}"'
-    image = f'<img alt="{html.escape(style.name)}" {size} src="data:image/png;base64,{picture}">'
-    cells = (image, f"<b>{html.escape(style.name)}</b>", html.escape(words), html.escape(style.description))
-    return "<tr>" + "".join(f'<td style="text-align:left">{cell}</td>' for cell in cells) + "</tr>"
-
-
-def swatch(name: str) -> bytes:
-    """A style on an upright plate as PNG: drawn now, or as it was drawn before by the same code.
-
-    Raises:
-        BadInput: If there is no such style.
-    """
-    path = cache_folder() / "pictures" / f"swatch-{name}-{_code()[:16]}.png"
-    if not path.is_file():
-        write_whole(path, _drawn(style_named(name)))
-    return path.read_bytes()
-
-
-@cache
-def _code() -> str:
-    """Digest of what draws styles, so that a picture of older code is not shown."""
-    folder = Path(styling.__path__[0])
-    digest = hashlib.sha256(Path(__file__).read_bytes())
-    for path in sorted(folder.rglob("*.py")):
-        digest.update(path.read_bytes())
-    return digest.hexdigest()
-
-
-def _drawn(style: Style) -> bytes:
-    """The plate seen from the front, lit from the upper left."""
-    from matplotlib.image import imsave  # noqa: PLC0415 — loaded when a picture is wanted
-
-    relief = style.program(Canvas(_plate(), seed=0, size=PLATE_SIZE))
-    slope_up, slope_right = np.gradient(PLATE_HEIGHT * relief.height.reshape(PLATE_ROWS, PLATE_COLUMNS), PLATE_STEP)
-    light = (1.0 + 0.9 * (slope_right - slope_up)) / np.sqrt(1.0 + slope_up**2 + slope_right**2)
-    pixels = np.clip(relief.colour.reshape(PLATE_ROWS, PLATE_COLUMNS, 3) * np.clip(light, 0.35, 1.35)[..., None], 0.0, 1.0)
-    buffer = io.BytesIO()
-    imsave(buffer, np.rint(255.0 * pixels[::-1]).astype(np.uint8), format="png")
-    return buffer.getvalue()
-
-
-def _plate() -> SurfaceMesh:
-    """An upright sheet that faces -y, its vertices row by row from below."""
-    z, x = (PLATE_STEP * grid for grid in np.mgrid[:PLATE_ROWS, :PLATE_COLUMNS])
-    number = np.arange(PLATE_ROWS * PLATE_COLUMNS).reshape(PLATE_ROWS, PLATE_COLUMNS)
-    a, b, c, d = (part.ravel() for part in (number[:-1, :-1], number[:-1, 1:], number[1:, 1:], number[1:, :-1]))
-    faces = np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])
-    return SurfaceMesh(np.stack([x.ravel(), np.zeros(x.size), z.ravel()], axis=1), faces)
+if __name__ == "__main__":
+    contact_sheet().save(Path(__file__).parents[1] / "docs" / "styles.png")

@@ -8,7 +8,7 @@ from matplotlib.image import imread
 
 import mechstyle as ms
 from mechstyle.errors import BadInput
-from mechstyle.gallery import style_sheet
+from mechstyle.gallery import swatches
 from mechstyle.styling.library import names, style_named
 
 
@@ -27,7 +27,7 @@ def test_all_styles_are_listed_in_words():
 
 
 def test_a_notebook_shows_a_picture_for_every_style_offline(cache, monkeypatch):
-    monkeypatch.setattr(style_sheet, "_drawn", lambda style: style.name.encode())
+    monkeypatch.setattr(swatches, "_drawn", lambda style: style.name.encode())
     shown = ms.styles()._repr_html_()
     assert shown.count("data:image/png;base64,") == len(names())
     assert "http" not in shown
@@ -35,30 +35,30 @@ def test_a_notebook_shows_a_picture_for_every_style_offline(cache, monkeypatch):
 
 
 def test_a_swatch_is_drawn_once_and_kept(cache, monkeypatch):
-    png = style_sheet.swatch("marble")
+    png = swatches.swatch("marble")
     pixels = imread(io.BytesIO(png))[..., :3]
-    assert pixels.shape[:2] == (style_sheet.PLATE_ROWS, style_sheet.PLATE_COLUMNS)
+    assert pixels.shape[:2] == (swatches.PLATE_ROWS, swatches.PLATE_COLUMNS)
     assert pixels.std() > 0.05
-    monkeypatch.setattr(style_sheet, "_drawn", lambda _: pytest.fail("drawn again"))
-    assert style_sheet.swatch("marble") == png
+    monkeypatch.setattr(swatches, "_drawn", lambda _: pytest.fail("drawn again"))
+    assert swatches.swatch("marble") == png
 
 
 def test_a_swatch_of_other_code_is_not_shown(cache, monkeypatch):
-    monkeypatch.setattr(style_sheet, "_drawn", lambda _: b"old")
-    assert style_sheet.swatch("marble") == b"old"
-    monkeypatch.setattr(style_sheet, "_code", lambda: "changed since then")
-    monkeypatch.setattr(style_sheet, "_drawn", lambda _: b"new")
-    assert style_sheet.swatch("marble") == b"new"
+    monkeypatch.setattr(swatches, "_drawn", lambda _: b"old")
+    assert swatches.swatch("marble") == b"old"
+    monkeypatch.setattr(swatches, "_code", lambda: "changed since then")
+    monkeypatch.setattr(swatches, "_drawn", lambda _: b"new")
+    assert swatches.swatch("marble") == b"new"
 
 
 def test_a_plate_stands_upright_with_up_in_the_picture_up():
-    relief = style_named("stripes").program(style_sheet.Canvas(style_sheet._plate(), seed=0, size=style_sheet.PLATE_SIZE))
-    columns = relief.height.reshape(style_sheet.PLATE_ROWS, style_sheet.PLATE_COLUMNS).mean(axis=0)
-    rows = relief.height.reshape(style_sheet.PLATE_ROWS, style_sheet.PLATE_COLUMNS).mean(axis=1)
+    relief = style_named("stripes").program(swatches.Canvas(swatches._plate(), seed=0, size=swatches.PLATE_SIZE))
+    columns = relief.height.reshape(swatches.PLATE_ROWS, swatches.PLATE_COLUMNS).mean(axis=0)
+    rows = relief.height.reshape(swatches.PLATE_ROWS, swatches.PLATE_COLUMNS).mean(axis=1)
     assert rows.std() > 1.5 * columns.std()  # bands lie
-    assert np.allclose(style_sheet._plate().face_normals, [0.0, -1.0, 0.0])
+    assert np.allclose(swatches._plate().face_normals, [0.0, -1.0, 0.0])
 
 
 def test_an_unknown_style_has_no_swatch(cache):
     with pytest.raises(BadInput, match="'brick'"):
-        style_sheet.swatch("bricks")
+        swatches.swatch("bricks")
