@@ -64,13 +64,13 @@ def overload(simulation: Simulation, rows: Sequence[Row], material: Material) ->
         strain = simulation.strain_of(landing=row.landing, load=row.load)
         stress = simulation.stress_of(landing=row.landing, load=row.load) / np.float32(material.yield_strength)
         most, excess = max(float(strain.max()), YIELDED), min(max(row.used - 1.0, LEAST_EXCESS), 1.0)
-        fields.append(np.where(strain > YIELDED, 1.0 + excess * strain / most, AT_REST * stress).astype(np.float32))
+        fields.append(np.where(strain > YIELDED, 1.0 + excess * strain / most, ELASTIC_COUNTS * stress).astype(np.float32))
     return np.maximum.reduce(fields)
 
 
 LEAST_EXCESS = 0.1
 """Overload of a test that all but passes, so that something is lowered …"""
-AT_REST = 0.85
+ELASTIC_COUNTS = 0.85
 """… and share of its stress with which a place counts that does not yield: it matters only where nothing at the surface does."""
 
 

@@ -56,11 +56,11 @@ class Patch(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
         numbers = getattr(self, given[0])
         _finite(given[0], numbers)
         if given[0] in ("sphere", "near") and numbers[3] <= 0.0:
-            raise BadInput(f"the radius of {given[0]} {_plain(numbers)} is {numbers[3]:g} mm, but must be above 0")
+            raise BadInput(f"the radius of {given[0]} {_spaced(numbers)} is {numbers[3]:g} mm, but must be above 0")
         if self.box is not None and any(low > high for low, high in zip(self.box[:3], self.box[3:], strict=True)):
-            raise BadInput(f"box {_plain(self.box)} must give its lowest corner first, then its highest")
+            raise BadInput(f"box {_spaced(self.box)} must give its lowest corner first, then its highest")
         if self.plane is not None and not any(self.plane[3:]):
-            raise BadInput(f"plane {_plain(self.plane)} has no direction: its last three numbers point to the side that is meant")
+            raise BadInput(f"plane {_spaced(self.plane)} has no direction: its last three numbers point to the side that is meant")
         if not 0.0 < self.angle <= 90.0:
             raise BadInput(f"angle is {self.angle:g}, but must lie above 0 and up to 90 degrees")
 
@@ -92,7 +92,7 @@ class Patch(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
     def words(self) -> str:
         """Its notation in a load file."""
         shape = next(shape for shape in SHAPES if getattr(self, shape) is not None)
-        return f"{shape} {_plain(getattr(self, shape))}"
+        return f"{shape} {_spaced(getattr(self, shape))}"
 
 
 Place = Patch | Literal["resting face"]
@@ -242,8 +242,8 @@ def _take_region(record: Support | Load) -> None:
 
 def _finite(what: str, numbers: Sequence[float]) -> None:
     if not all(map(math.isfinite, numbers)):
-        raise BadInput(f"{what} {_plain(numbers)} must be finite numbers")
+        raise BadInput(f"{what} {_spaced(numbers)} must be finite numbers")
 
 
-def _plain(numbers: Sequence[float]) -> str:
+def _spaced(numbers: Sequence[float]) -> str:
     return "[" + ", ".join(f"{number:g}" for number in numbers) + "]"

@@ -174,7 +174,7 @@ class Simulation:
         """The landing as placed, None if the test failed."""
         return self.landings[0] if self.landings else None
 
-    def of(self, way: str) -> list[Landing]:
+    def landed(self, way: str) -> list[Landing]:
         """The landings of one kind."""
         return [landing for landing in self.landings if landing.way == way]
 

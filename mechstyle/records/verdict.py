@@ -244,13 +244,13 @@ def _failure(simulation: Simulation, original: Simulation | None, recipe: Recipe
             continue
         if part.failure:
             return part.failure if part is simulation else f"the original could not be simulated: {part.failure}"
-        if not part.of("flat"):
+        if not part.landed("flat"):
             return f"{whose} was not dropped"
         tests: tuple[Landing | LoadResult, ...] = (*part.landings, *part.loads)
         for one in tests:
             if not all(math.isfinite(value) and value >= 0.0 for value in (one.permanent_set, one.plastic_strain, one.maximum)):
                 return f"what stays bent of {whose} in the test {one.name!r} is not a finite number"
-    if original is not None and original.of("nearly flat") and not simulation.of("nearly flat"):
+    if original is not None and original.landed("nearly flat") and not simulation.landed("nearly flat"):
         return "the part was not dropped nearly flat"
     missing = (case.name for case in recipe.test.loads if simulation.load(case.name) is None)
     return next((f"the part was not tested under the load {name!r}" for name in missing), "")

@@ -221,7 +221,7 @@ def simulation(count=5, **changes):
 def test_a_simulation_gives_each_landing_and_load_by_name_and_way():
     one = simulation()
     assert one.flat.name == "flat"
-    assert [found.name for found in one.of("nearly flat")] == [LEFT]
+    assert [found.name for found in one.landed("nearly flat")] == [LEFT]
     assert (one.landing(LEFT).maximum, one.load("hand").maximum, one.landing("hand"), one.load(LEFT)) == (120.0, 50.0, None, None)
 
 
@@ -242,7 +242,7 @@ def test_the_stress_of_a_simulation_is_that_of_the_flat_landing_and_the_loads():
 
 def test_a_test_that_failed_has_no_landing():
     failed = Simulation(displacement=np.zeros(5), contact=np.zeros(5), failure="the drop blew up")
-    assert (failed.flat, failed.of("flat"), failed.maximum) == (None, [], 0.0)
+    assert (failed.flat, failed.landed("flat"), failed.maximum) == (None, [], 0.0)
     assert failed.stress.tolist() == [0.0] * 5
 
 

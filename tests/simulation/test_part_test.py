@@ -188,7 +188,7 @@ def test_a_part_printed_in_layers_bends_no_less(drop_it):
 def test_landings_of_a_standard_are_named(drop_it):
     dropped = drop_it(orientations=None, standard="ista-1a")
     names = [landing.name for landing in dropped.simulation.landings]
-    boxed = ["flat", *(landing.name for landing in dropped.simulation.of("any landing"))]
+    boxed = ["flat", *(landing.name for landing in dropped.simulation.landed("any landing"))]
     assert boxed[:3] == ["flat", "corner 2-3-5", "edge 2-3"]
     assert (len(boxed), len(set(names))) == (10, len(names))
     assert dropped.recipe.test.height == 760.0
@@ -198,8 +198,8 @@ def test_landings_of_a_standard_are_named(drop_it):
 def test_without_orientations_the_poses_bring_theirs(drop_it):
     for poses, drops in (("resting", 6), ("faces6", 6), ("fibonacci", 5)):
         found = drop_it(orientations=None, poses=poses).simulation
-        assert 1 + len(found.of("any landing")) == drops
-        assert found.of("nearly flat")
+        assert 1 + len(found.landed("any landing")) == drops
+        assert found.landed("nearly flat")
 
 
 def test_without_nearly_flat_and_poses_it_is_dropped_flat_alone(drop_it):

@@ -129,7 +129,7 @@ def test_landings_are_the_same_dropped_together_or_apart(block, memo, tmp_path):
 def test_in_the_loop_it_is_dropped_flat_and_as_the_original_stays_bent_most_and_at_the_end_in_all_that_was_asked_for(block, memo, drops):
     sim = simulator(block, memo, nearly_flat=True, orientations=2)
     within, last = (sim.simulate(slopes(block), thorough=thorough) for thorough in (False, True))
-    count, nearly = len(sim.baseline.landings), sim.baseline.of("nearly flat")
+    count, nearly = len(sim.baseline.landings), sim.baseline.landed("nearly flat")
     assert drops == [count, 1 + STEERING, count - 1 - STEERING], "what steered is not dropped again"
     hardest = sorted(nearly, key=lambda landing: -landing.permanent_set)[:STEERING]
     assert {landing.name for landing in within.landings[1:]} == {landing.name for landing in hardest}

@@ -88,7 +88,7 @@ def report_page(run: LaneOfRun) -> str:
     elif not model.startswith("gallery:"):
         needed = f"It needs the file {model} in the folder where it is typed. "
     settings = [
-        (name.replace("_", " "), _plain(value), with_code(described(name)))
+        (name.replace("_", " "), _readable(value), with_code(described(name)))
         for name, value in run.recipe.settings.items()
         if name != "material"  # in a table of its own
     ]
@@ -234,7 +234,7 @@ def _notes(run: LaneOfRun) -> Markup:
     return fill('<section aria-labelledby="h-notes"><h2 id="h-notes">Notes</h2><ul class="notes">{items}</ul></section>', items=items)
 
 
-def _plain(value: object) -> object:
+def _readable(value: object) -> object:
     """A setting as a reader expects it; structures become JSON."""
     if isinstance(value, bool):
         return "yes" if value else "no"
