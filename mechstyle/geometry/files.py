@@ -33,7 +33,7 @@ from mechstyle.geometry.one_body import Body, bodies_of, repaired
 from mechstyle.geometry.pieces import COLOURS_LEFT, Held, Piece, Thing, size_words
 from mechstyle.geometry.threemf import threemf_bytes
 from mechstyle.geometry.threemf_reader import read_threemf
-from mechstyle.geometry.upright import lying, upright
+from mechstyle.geometry.upright import lying, on_edge, upright
 from mechstyle.records.material import LIBRARY
 from mechstyle.records.mesh import Field, Floats, SurfaceMesh
 
@@ -114,6 +114,8 @@ def read(
     notes += [*held.notes, *repairs]
     if better := lying(mesh, axes):
         notes.append(f"it seems to lie on its side: it has a flat base there, and stands on nothing flat; --up {better} sets it upright")
+    elif better := on_edge(mesh, axes):
+        notes.append(f"it stands on its thin edge; --up {better} lays it flat")
     return ReadPart(mesh, tuple(notes))
 
 

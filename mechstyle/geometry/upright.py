@@ -14,6 +14,7 @@ from mechstyle.records.mesh import Floats, SurfaceMesh
 
 UPS = ("z", "-z", "y", "-y", "x", "-x")
 _BASE = 0.2  # share of its footprint that a flat face must have to be taken for the base of a part that lies on its side
+_SLENDER, _FLATTER = 6.0, 5.0  # times its width that a part is high which stands on an edge, and how much larger its flat side is
 
 
 def upright(up: str) -> Floats:
@@ -43,9 +44,30 @@ def lying(mesh: SurfaceMesh, axes: Floats) -> str:
     return best if shares[best] >= _BASE else ""
 
 
+def on_edge(mesh: SurfaceMesh, axes: Floats) -> str:
+    """The axis that is probably up where a flat part [mm] stands on its thin edge; "" for none; `axes` as for `lying`."""
+    found = resting_face(mesh)
+    if found is None or _width(found.polygon) > mesh.extents[2] / _SLENDER:
+        return ""
+    areas = {up: there.area for up in UPS if (there := resting_face(_turned(mesh, axes @ axis(up)))) is not None}
+    best = max(areas, key=lambda up: areas[up])
+    return best if areas[best] > _FLATTER * found.area else ""
+
+
+def _width(polygon: Floats) -> float:
+    """The least distance of two parallel lines that hold a convex polygon between them [mm]; its corners have shape [n, 2]."""
+    edges = np.roll(polygon, -1, axis=0) - polygon
+    normals = np.column_stack([-edges[:, 1], edges[:, 0]]) / np.linalg.norm(edges, axis=1, keepdims=True)
+    return float(np.ptp(polygon @ normals.T, axis=0).min())
+
+
+def _turned(mesh: SurfaceMesh, up: Floats) -> SurfaceMesh:
+    return SurfaceMesh(mesh.vertices @ upright(named(up)).T, mesh.faces)
+
+
 def _base(mesh: SurfaceMesh, up: Floats) -> float:
     """Area of the flat face a part would stand on with a direction up, over that of its footprint there; 0 if it stood on none."""
-    there = SurfaceMesh(mesh.vertices @ upright(named(up)).T, mesh.faces)
+    there = _turned(mesh, up)
     found = resting_face(there)
     if found is None:
         return 0.0

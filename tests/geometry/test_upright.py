@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 import trimesh
 
+from mechstyle import gallery
 from mechstyle.errors import BadInput
 from mechstyle.geometry.files import read
-from mechstyle.geometry.upright import UPS, axis, lying, upright
+from mechstyle.geometry.upright import UPS, axis, lying, on_edge, upright
 from mechstyle.records.mesh import SurfaceMesh
 
 
@@ -66,3 +67,23 @@ def test_the_note_names_the_option(tmp_path):
     path.write_bytes(trimesh.Trimesh(CUP.vertices @ upright("y"), CUP.faces).export(file_type="stl"))
     assert any("--up y sets it upright" in note or "--up -y sets it upright" in note for note in read(path).notes)
     assert not any("--up" in note for note in read(path, up="y").notes)
+
+
+PLATE = solid(trimesh.creation.box((100.0, 60.0, 3.0)))
+"""Lies flat."""
+
+
+@pytest.mark.parametrize("told", UPS)
+def test_a_plate_on_its_thin_edge_is_told_how_it_lies_flat(tmp_path, told):
+    path = tmp_path / "plate.stl"
+    path.write_bytes(trimesh.Trimesh(PLATE.vertices, PLATE.faces).export(file_type="stl"))
+    notes = [note for note in read(path, up=told).notes if "thin edge" in note]
+    if told[-1] == "z":
+        assert not notes
+    else:
+        assert notes in ([f"it stands on its thin edge; --up {up} lays it flat"] for up in ("z", "-z"))
+
+
+def test_no_part_of_the_gallery_is_thought_to_stand_on_an_edge():
+    """Among them a book end and a phone stand, which are high and slender where they should be."""
+    assert {name: on_edge(gallery.make(name), np.eye(3)) for name in gallery.names()} == dict.fromkeys(gallery.names(), "")
