@@ -39,11 +39,6 @@ CONVEXITY = 8.0
 """How much more loosely two vertices hang together for each radian by which the surface bends away between them."""
 LEAST_SHARE = 0.005
 """Smaller pieces, of the area, belong to what surrounds them."""
-CONTAINED = 0.3
-"""Least share of the area that is inside in a container: half of it where walls are thin."""
-STRAIGHT, ONE_SIDE = 0.9, 0.8
-"""Least cosine of the angle between the way out of a container and an axis, and least sum of the openings over the sum of their sizes:
-those of a tube or a lampshade cancel out, a slot in a wall is small. How wide it opens does not count: a bottle has a narrow neck."""
 
 
 SKIN = 1e-4
@@ -81,31 +76,6 @@ def is_inside(mesh: SurfaceMesh) -> NDArray[np.bool_]:
         _known.pop(next(iter(_known)), None)
     _known[mesh.digest] = inside
     return inside
-
-
-def is_container(mesh: SurfaceMesh) -> bool:
-    """Whether a part holds things: its inside is large and opens to one side only, as that of a cup, a tray or a case, however it lies."""
-    inside = is_inside(mesh)
-    areas = mesh.vertex_areas
-    if areas[inside].sum() < CONTAINED * areas.sum():
-        return False
-    # The vector area of each opening [mm²], shape [count, 3]: of the loop in which the border of the inside crosses the faces.
-    mixed = mesh.faces[inside[mesh.faces].any(axis=1) & ~inside[mesh.faces].all(axis=1)]
-    odd = np.where(inside[mixed].sum(axis=1) == 1, inside[mixed].argmax(axis=1), (~inside[mixed]).argmax(axis=1))
-    one, left, right = (np.take_along_axis(mixed, ((odd + k) % 3)[:, None], axis=1)[:, 0] for k in range(3))
-    start, end = (0.5 * (mesh.vertices[one] + mesh.vertices[other]) for other in (left, right))
-    turned = ~inside[one]
-    start[turned], end[turned] = end[turned], start[turned]
-    keys = np.sort(np.concatenate([np.stack([one, left], axis=1), np.stack([one, right], axis=1)]), axis=1)
-    edge = np.unique(keys, axis=0, return_inverse=True)[1].reshape(2, -1)
-    count = int(edge.max()) + 1 if edge.size else 0
-    loop = connected_components(sp.coo_array((np.ones(edge.shape[1]), edge), shape=(count, count)), directed=False)[1][edge[0]]
-    swept = 0.5 * np.cross(start - mesh.vertices.mean(axis=0), end - mesh.vertices.mean(axis=0))
-    openings = np.stack([np.bincount(loop, column) for column in swept.T], axis=1)
-    whole = np.abs(openings.sum(axis=0))
-    way, size = int(whole.argmax()), float(np.linalg.norm(whole))
-    one_side = size > ONE_SIDE * np.linalg.norm(openings, axis=1).sum()
-    return bool(one_side and whole[way] > STRAIGHT * size)
 
 
 def openness(mesh: SurfaceMesh) -> Floats:

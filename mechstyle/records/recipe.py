@@ -139,7 +139,7 @@ class Restraint(Chapter, frozen=True, kw_only=True):
         normalisation: What stress is compared with, one of NORMALISATIONS. Demand is stress over that.
         threshold: Demand at which a vertex may move no further; 1 is the normalisation's own limit, less is stricter.
         base: Relief on the faces the part stands on, one of BASES: none, drawn inwards so that it stands level, or as the style has it.
-        inside: What becomes of the inside of a container, one of INSIDES.
+        inside: What becomes of hollows, bores and flat ends that meet something else, one of INSIDES.
         protect: Regions protected from the style.
         guarantee: Whether the finished relief is corrected until the part passes: lowered where it yields, no more than needed.
     """

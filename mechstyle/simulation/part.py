@@ -17,8 +17,9 @@ from mechstyle._files import cache_folder
 from mechstyle.errors import BadInput, unknown
 from mechstyle.fea.explicit import no_progress
 from mechstyle.geometry.cancelling import CancelCheck, meanwhile, never_cancel
-from mechstyle.geometry.inside_outside import is_container, is_inside, sky_seen
+from mechstyle.geometry.inside_outside import is_inside, sky_seen
 from mechstyle.geometry.level_base import LevelBase
+from mechstyle.geometry.mating import mating_faces
 from mechstyle.geometry.region_selection import protection
 from mechstyle.geometry.remeshing import even as standardise
 from mechstyle.geometry.remeshing.filling import VERSION as TETRAHEDRA
@@ -63,9 +64,12 @@ BASE_SHARE = 0.5
 """… and under a levelled part this share of what the wall has above the minimum."""
 
 INSIDE_RAMP = 2.0
-"""Way from a container's plain inside over which the relief grows to its full depth [mm]."""
-LEFT_PLAIN = "its inside is left plain, because it is hollow and opens to one side: --inside styled has it styled as well"
-"""Said of a container."""
+"""Way from a plain inside over which the relief grows to its full depth [mm]."""
+LEAST_INSIDE = 0.005
+"""Share of the surface from which a part has an inside."""
+LEFT_PLAIN = "its inside is left plain, so that what belongs into it fits: --inside styled has it styled as well"
+MATING = "flat ends that may meet something else, as feet and rims do, are left plain: --inside styled has them styled as well"
+"""Said of a part with an inside, and of one with such ends."""
 
 Stage = Callable[[str], None]
 
@@ -140,9 +144,17 @@ class Shape:
         return LevelBase(self.surface)
 
     @cached_property
-    def is_container(self) -> bool:
-        """Whether it holds things, however it lies."""
-        return is_container(self.surface)
+    def inside(self) -> NDArray[np.bool_]:
+        """Whether each vertex lies in a hollow or a bore, shape [vertex_count]; nowhere where these are next to nothing."""
+        found, areas = is_inside(self.surface), self.surface.vertex_areas
+        return found if areas[found].sum() >= LEAST_INSIDE * areas.sum() else np.zeros_like(found)
+
+    @cached_property
+    def mating(self) -> NDArray[np.bool_]:
+        """Whether each vertex belongs to a flat end that may meet something else, shape [vertex_count]."""
+        found = np.zeros(len(self.surface.vertices), bool)
+        found[self.surface.faces[mating_faces(self.surface)]] = True
+        return found
 
     @cached_property
     def smooth(self) -> SurfaceMean:
@@ -375,14 +387,16 @@ def bounds_for(part: Workpiece | Shape, recipe: Recipe) -> tuple[Bounds, tuple[s
     """Bounds of a recipe's style on a part, and notes for the user on what is protected."""
     shape = part if isinstance(part, Shape) else part.shape
     named = any(isinstance(region, Inside | Outside) for region in (*recipe.restraint.protect, *_places(recipe)))
-    chosen = named or recipe.restraint.inside == "styled"
-    contained = () if chosen or not shape.is_container else (Inside(ramp=INSIDE_RAMP, colour=True),)
+    fits = not named and recipe.restraint.inside == "plain"
+    hollow = (Inside(ramp=INSIDE_RAMP, colour=True),) if fits and shape.inside.any() else ()
     bounds = shape.bounds(recipe.restraint.base, recipe.delivery.minimum_wall)
-    protected = protection((*recipe.restraint.protect, *contained), part.surface, part.thickness)
-    free = np.minimum(bounds.freedom, protected.freedom)
-    notes = (*protected.notes[: len(recipe.restraint.protect)], *(LEFT_PLAIN for _ in contained))
-    plain = is_inside(part.surface) if contained else False
-    return replace(bounds, freedom=free, uncoloured=protected.uncoloured[:, None], plain=plain, seen=shape.seen), notes
+    protected = protection((*recipe.restraint.protect, *hollow), part.surface, part.thickness)
+    mates = shape.mating & fits
+    free = np.where(mates, 0.0, np.minimum(bounds.freedom, protected.freedom)).astype(np.float32)
+    kept = ((LEFT_PLAIN, bool(hollow)), (MATING, bool(mates.any())))
+    notes = (*protected.notes[: len(recipe.restraint.protect)], *(note for note, holds in kept if holds))
+    plain = mates | (shape.inside & bool(hollow))
+    return replace(bounds, freedom=free, uncoloured=(protected.uncoloured | mates)[:, None], plain=plain, seen=shape.seen), notes
 
 
 def _places(recipe: Recipe) -> tuple[Region, ...]:

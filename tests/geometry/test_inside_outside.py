@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from mechstyle.geometry import inside_outside as module
-from mechstyle.geometry.inside_outside import _walked, is_container, is_inside, openness
+from mechstyle.geometry.inside_outside import _walked, is_inside, openness
 from mechstyle.geometry.remeshing.evening import even, surface_of
 from mechstyle.records.mesh import SurfaceMesh
 
@@ -116,49 +116,6 @@ def test_a_walk_rarely_leaves_a_side_over_its_convex_edges(block):
 
 
 WELL = manifold3d.Manifold.cylinder(40.0, 20.0, 20.0, 64) - manifold3d.Manifold.cylinder(40.0, 17.0, 17.0, 64).translate((0, 0, 3))
-
-
-def vase(mouth):
-    """A vase of 40 mm across and 60 mm high with walls of 2 mm and a neck that is so many mm wide within."""
-    r = 0.5 * mouth
-    outside = [(0.0, 0.0), (20.0, 0.0), (20.0, 35.0), (r + 2.0, 47.0), (r + 2.0, 60.0)]
-    within = [(r, 60.0), (r, 46.0), (18.0, 34.0), (18.0, 2.0), (0.0, 2.0)]
-    return manifold3d.CrossSection([outside + within]).revolve(64)
-
-
-@pytest.mark.parametrize(
-    ("what", "holds"),
-    [
-        (vase(6.0), True),
-        (vase(10.0), True),
-        (vase(14.0), True),
-        (vase(10.0).rotate((90.0, 0.0, 0.0)), True),
-        (vase(10.0) - manifold3d.Manifold.cylinder(10.0, 5.0, 5.0, 64).translate((0, 0, -5)), False),
-        (WELL, True),
-        (WELL.rotate((180.0, 0.0, 0.0)), True),
-        (WELL.rotate((90.0, 0.0, 0.0)), True),
-        (manifold3d.Manifold.cylinder(40.0, 20.0, 20.0, 64) - manifold3d.Manifold.cylinder(40.0, 17.0, 17.0, 64), False),
-        (manifold3d.Manifold.cylinder(40.0, 20.0, 10.0, 64) - manifold3d.Manifold.cylinder(40.0, 17.0, 7.0, 64), False),
-        (manifold3d.Manifold.cylinder(40.0, 20.0, 20.0, 64), False),
-        (manifold3d.Manifold.cube((60.0, 60.0, 20.0)) - manifold3d.Manifold.cube((20.0, 20.0, 10.0)).translate((20, 20, 10)), False),
-    ],
-    ids=[
-        "needle neck",
-        "narrow neck",
-        "neck",
-        "lying with a narrow neck",
-        "bottomless with a narrow neck",
-        "cup",
-        "upside down",
-        "lying",
-        "tube",
-        "lampshade",
-        "solid",
-        "block with a dent",
-    ],
-)
-def test_a_container_opens_to_one_side_only_and_is_mostly_hollow_however_it_lies(what, holds):
-    assert is_container(surface_of(what.refine_to_length(2.5))) is holds
 
 
 def test_a_surface_read_again_is_not_asked_again_and_few_answers_are_kept(cup, monkeypatch):

@@ -208,6 +208,10 @@ def test_a_relief_in_millimetres_is_what_the_stylizer_draws(ball):
     assert np.quantile(deep, 0.98) == pytest.approx(1.0, abs=0.15)
 
 
+PLAIN_PARTS = ["its inside is", "flat ends that may meet something else, as feet and rims do, are"]
+"""What two notes say is left plain."""
+
+
 @pytest.fixture(scope="module")
 def mug():
     """A cup of 20 mm radius and 30 mm height with a wall of 3 mm."""
@@ -224,7 +228,42 @@ def test_the_inside_of_a_container_is_left_plain_and_that_is_said(mug, part):
     assert np.all(bounds.freedom[outside] == 1.0)
     assert bounds.uncoloured[inside].all()
     assert not bounds.uncoloured[outside].any()
-    assert notes == ("its inside is left plain, because it is hollow and opens to one side: --inside styled has it styled as well",)
+    assert not bounds.freedom[(height > 29.9)].any()
+    assert [note.split(" left plain")[0] for note in notes] == PLAIN_PARTS
+
+
+@pytest.fixture(scope="module")
+def sleeve():
+    """A tube of 20 mm radius and 60 mm length with a wall of 2 mm, lying on nothing: it stands on one of its ends."""
+    hollow = manifold3d.Manifold.cylinder(60.0, 20.0, 20.0, 64) - manifold3d.Manifold.cylinder(60.0, 18.0, 18.0, 64)
+    surface = even(surface_of(hollow), 3000)
+    return Shape(surface, np.full(len(surface.vertices), 2.0, np.float32))
+
+
+def test_the_inside_of_a_tube_and_its_ends_are_left_plain_and_that_is_said(sleeve, part):
+    """Red before: its walls inside moved by up to 0.85 mm, without a word, and what belongs into it did not fit."""
+    radius, height = np.hypot(*sleeve.surface.vertices[:, :2].T), sleeve.surface.vertices[:, 2]
+    bounds, notes = bounds_for(sleeve, plan(part, "brick"))
+    assert not bounds.freedom[radius < 18.2].any()
+    assert not bounds.freedom[height > 59.9].any()
+    assert np.all(bounds.freedom[(radius > 19.8) & (height > 6.0) & (height < 54.0)] == 1.0)
+    assert [note.split(" left plain")[0] for note in notes] == PLAIN_PARTS
+    styled, notes = bounds_for(sleeve, plan(part, "brick", inside="styled"))
+    assert styled.freedom[(radius < 18.2) & (height > 6.0)].all()
+    assert notes == ()
+
+
+def test_feet_that_meet_furniture_are_left_plain_and_large_sides_are_not(part):
+    """A handle, printed on its side: a bar of 100 × 12 × 12 mm on two feet of 12 × 12 mm that look towards -y."""
+    bar = manifold3d.Manifold.cube((100.0, 12.0, 12.0)).translate((0.0, 20.0, 0.0))
+    feet = [manifold3d.Manifold.cube((12.0, 21.0, 12.0)).translate((x, 0.0, 0.0)) for x in (0.0, 88.0)]
+    surface = even(surface_of(bar + feet[0] + feet[1]), 3000)
+    bounds, notes = bounds_for(Shape(surface, np.full(len(surface.vertices), 12.0, np.float32)), plan(part, "brick", base="free"))
+    y = surface.vertices[:, 1]
+    assert not bounds.freedom[y < 0.01].any()
+    assert bounds.freedom[y > 1.5].all()
+    assert len(notes) == 1
+    assert "flat ends that may meet something else" in notes[0]
 
 
 @pytest.mark.parametrize(

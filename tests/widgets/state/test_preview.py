@@ -227,7 +227,7 @@ def test_a_part_is_made_ready_in_another_process_that_ends_when_told(cube):
         shape_aside(cube, FEW, enough)
     shape = shape_aside(cube, FEW, lambda: None)
     assert abs(len(shape.surface.vertices) - FEW) < 0.2 * FEW
-    assert not shape.is_container
+    assert not shape.inside.any()
 
 
 def test_what_was_made_ready_before_needs_no_other_process(cube, monkeypatch):

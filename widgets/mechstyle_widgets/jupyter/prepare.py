@@ -53,5 +53,5 @@ def _shape(say: Callable[[object], None], mesh: SurfaceMesh, vertices: int) -> N
 
 def _shape_of(surface: SurfaceMesh) -> Shape:
     shape = Shape(surface, local_thickness(surface).astype(np.float32))
-    _ = shape.level_base, shape.is_container  # are kept with it
+    _ = shape.level_base, shape.inside  # are kept with it
     return shape
