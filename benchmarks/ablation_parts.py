@@ -1,7 +1,8 @@
 """Writes parts on which a plain base alone fails, as STL: trophies, posts with a groove, cups and necks, their lengths in their names.
 
 python benchmarks/ablation_parts.py build/parts
-mechstyle study ablation --models build/parts/*.stl --styles brick --conditions drop --set relief=3 --set side=inwards --set feature=8
+python -m benchmarks.study ablation --models build/parts/*.stl --styles brick
+    --conditions drop --set relief=3 --set side=inwards --set feature=8
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """What one cell of a study costs: seconds of the processor for each drop test, and for all else.
 
-    python benchmarks/cells.py [MODEL] [STYLE] [--vertices 6000] [--iterations 60]
+    python -m benchmarks.cells [MODEL] [STYLE] [--vertices 6000] [--iterations 60]
 
 Freely, in one thread as a worker of a study has, and in a cache of its own, so that the part is prepared and its original dropped. Wall
 time is not told: it says little on a machine that others use as well.
@@ -21,11 +21,11 @@ from unittest.mock import patch
 from rich.console import Console
 from rich.table import Table
 
+from benchmarks.study.cells import Row, carry_out
+from benchmarks.study.grids import Factors, cells_of
 from mechstyle.fea.drop import Drop
 from mechstyle.fea.explicit import THREADS
 from mechstyle.simulation import simulator
-from mechstyle.study.cells import Row, carry_out
-from mechstyle.study.grids import Factors, cells_of
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,7 @@
-"""Writes docs/why-these-defaults.md and its rows from what `mechstyle study ablation` and `ablation_parts.py` measured.
+"""Writes docs/why-these-defaults.md and its rows from what `python -m benchmarks.study ablation` and `ablation_parts.py` measured.
 
-python benchmarks/defaults.py ablation12 ablation3 load12 deep12 --machine "NVIDIA H100"   # folders of rows
-python benchmarks/defaults.py docs/why-these-defaults.json                                  # the page alone
+python -m benchmarks.defaults ablation12 ablation3 load12 deep12 --machine "NVIDIA H100"   # folders of rows
+python -m benchmarks.defaults docs/why-these-defaults.json                                  # the page alone
 """
 
 from __future__ import annotations
@@ -13,8 +13,9 @@ from statistics import mean, median
 
 import msgspec
 
-from mechstyle.study.cells import Row, markdown, read_table
-from mechstyle.study.grids import ARMS, CONDITIONS
+from benchmarks.study.cells import Row, read_table
+from benchmarks.study.grids import ARMS, CONDITIONS
+from mechstyle.classroom import markdown
 
 DOCS = Path(__file__).parent.parent / "docs"
 WORTH_TELLING = 0.9
@@ -22,8 +23,8 @@ WORTH_TELLING = 0.9
 HEAD = """\
 # Why these defaults
 
-What each mechanism is worth, measured by taking it away. `mechstyle study ablation --models … --styles …` runs the arms below on any parts
-and styles, in a fall, under a load and with deep relief, and writes every row.
+What each mechanism is worth, measured by taking it away. `python -m benchmarks.study ablation --models … --styles …` runs the arms below
+on any parts and styles, in a fall, under a load and with deep relief, and writes every row.
 
 | arm | what is left |
 |---|---|

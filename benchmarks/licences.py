@@ -14,7 +14,7 @@ from pathlib import Path
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
-EXTRAS = ("jupyter", "clip", "study")  # what `dev` brings is not installed with MechStyle
+EXTRAS = ("jupyter", "clip")  # what `dev` brings is not installed with MechStyle
 COPYLEFT = re.compile(r"\b(?:A|L)?GPL|General Public License|MPL|Mozilla", re.IGNORECASE)
 BUNDLED = {  # copyleft libraries inside wheels, by the beginning of their file names
     "libgmp": "GMP: LGPL-3.0-or-later or GPL-2.0-or-later",

@@ -1,7 +1,7 @@
 """What the walk over a study costs by itself: cells whose part does not exist, so that each is a lock, a start and a row with its reason.
 
-python benchmarks/scheduling.py                # 10 000 cells in one process, in two, and on two Dask workers of this machine
-python benchmarks/scheduling.py --cells 1000 --way walk --way jobs
+python -m benchmarks.scheduling                # 10 000 cells in one process, in two, and on two Dask workers of this machine
+python -m benchmarks.scheduling --cells 1000 --way walk --way jobs
 
 Each way walks in a process of its own, which is the driver; its memory is the most it ever held, beside what it held when it began. Wall
 time on a busy machine says little, so processor time is told beside it: of the driver, and of everything, with the start of its processes.
@@ -19,9 +19,9 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
+from benchmarks.study.cells import Cell
+from benchmarks.study.walk import walk
 from mechstyle.runs.recipes import draft
-from mechstyle.study.cells import Cell
-from mechstyle.study.walk import walk
 
 WORKERS = 2
 

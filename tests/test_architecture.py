@@ -61,7 +61,7 @@ def named(path: Path) -> str:
 def test_what_benchmarks_import_is_there():
     """`make bench` had stopped at its first line: a name had moved, and nothing else looks at these files."""
     missing, modules = [], {".".join(path.relative_to(ROOT).with_suffix("").parts) for path in (ROOT / "mechstyle").rglob("*.py")}
-    for path in sorted((ROOT / "benchmarks").glob("*.py")):
+    for path in sorted((ROOT / "benchmarks").rglob("*.py")):
         for node in ast.walk(ast.parse(path.read_text())):
             if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("mechstyle"):
                 module = importlib.import_module(str(node.module))
@@ -97,7 +97,7 @@ def test_every_room_has_its_row_on_the_map():
 
 
 def test_tests_stand_where_what_they_test_stands():
-    roots = {"widgets": ROOT / "widgets" / "mechstyle_widgets"}
+    roots = {"widgets": ROOT / "widgets" / "mechstyle_widgets", "study": ROOT / "benchmarks" / "study"}
     elsewhere = {"browser", "notebooks", "support", "validation"}
     for path in sorted((ROOT / "tests").rglob("test_*.py")):
         first, *rest = path.relative_to(ROOT / "tests").parent.parts or ("",)

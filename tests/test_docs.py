@@ -98,7 +98,7 @@ def test_what_is_hard_to_read_is_found(text, wrong):
     [
         ("`mechstyle run cup.stl --relief 0.6`, `--relief`, `make docs`, `ms.load`", []),
         ("```sh\nmechstyle run cup.stl --depth 1  # deep\n```", ["'mechstyle run cup.stl --depth 1': no option --depth"]),
-        ("`mechstyle study sums`", ["there is no command 'mechstyle study sums'"]),
+        ("`mechstyle class sums`", ["there is no command 'mechstyle class sums'"]),
         ("`--depth 1`", ["no command has the option --depth"]),
         ("`make money`", ["make has no target 'money'"]),
         ("`python benchmarks/dreams.py`", ["there is no benchmarks/dreams.py"]),

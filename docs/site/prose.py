@@ -19,7 +19,7 @@ STOP = re.compile(
     r"|[Hh]eld against|[Bb]eside|[Uu]nless said|[Ww]hat is delivered|[Pp]hysics \d+|[Uu]sed to be|[Uu]p to now|[Uu]ntil now|TODO)\b"
 )
 """Words that say less than the noun of the field, and words of a history that no reader has."""
-WRITTEN_BY_A_PROGRAM = re.compile(r"\b(?:[Ww]ritten|[Mm]ade)\s+by\s+`(?:python |\.venv)|by `mechstyle study page |<!-- every ")
+WRITTEN_BY_A_PROGRAM = re.compile(r"\b(?:[Ww]ritten|[Mm]ade)\s+by\s+`(?:python |\.venv)|by `python -m benchmarks\.study page |<!-- every ")
 FENCE = re.compile(r"^(```+|:::+).*?^\1\s*$", re.DOTALL | re.MULTILINE)
 SPAN = re.compile(r"`[^`\n]*`")
 LINK = re.compile(r"\]\(([^()\s]+)\)")

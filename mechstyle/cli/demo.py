@@ -120,7 +120,7 @@ def prepare_command(
     as_json: Json = False,
 ) -> None:
     """Mesh every part for every style and drop every plain part, so that pupils wait for their own drops only."""
-    from mechstyle.study.classroom import prepare  # noqa: PLC0415 — physics is loaded when something is run
+    from mechstyle.classroom import prepare  # noqa: PLC0415 — physics is loaded when something is run
 
     with progress_shown(len(models) * len(prompts), quiet=as_json) as teller:
         tasks = prepare(models, prompts, settings, vertices=vertices, folder=folder, device=device, stage=teller.stage)
@@ -142,7 +142,7 @@ def collect_command(
     as_json: Json = False,
 ) -> None:
     """Make one table of the reports of a class: who keeps most style and still passes?"""
-    from mechstyle.study.classroom import as_file, collect  # noqa: PLC0415 — loaded when wanted
+    from mechstyle.classroom import as_file, collect  # noqa: PLC0415 — loaded when wanted
 
     handed = collect(reports, length_of(height))
     files = {} if path is None else {"table": str(as_file(handed, path))}

@@ -18,7 +18,6 @@ app = typer.Typer()
 EXTRAS = {
     "jupyter": ("the notebook interface", ("jupyterlab", "ipywidgets", "pythreejs", "plotly", "anywidget")),
     "clip": ("styles from any prompt (guidance clip) and the X-Mesh network", ("torch", "transformers", "safetensors")),
-    "study": ("studies on many machines (--scheduler)", ("distributed",)),
 }
 """What each extra is for, and its modules."""
 

@@ -1,4 +1,4 @@
-"""The drop test: a body touches a rigid floor at the speed of its fall, in one or many orientations at once; what it leaves over time."""
+"""The drop test: a body touches the floor at the speed of its fall, in one or many orientations at once; what it leaves over time."""
 
 from __future__ import annotations
 
@@ -75,6 +75,8 @@ class DropTest:
             where the stiffest tetrahedra are crushed within 5 %, as they are softer at a long step: see `elasticity.softened`.
         across: Normal of printed layers over their share of the strength, n / r; zero for a material without layers. What is recorded as
             von Mises stress is then `elasticity.equivalent_stress`.
+        contact_stiffness: Stiffness of a penalty floor at each node [N/mm], as in the published study; 0 for a rigid floor. A penalty is
+            of the mesh, no property of a floor: more nodes that touch carry more.
         plastic: Whether the material flows where it reaches its yield strength; False for an elastic body, as in the published study.
     """
 
@@ -89,6 +91,7 @@ class DropTest:
     safety: float = 0.95
     across: tuple[float, float, float] = (0.0, 0.0, 0.0)
     plastic: bool = True
+    contact_stiffness: float = 0.0
 
     @property
     def speed(self) -> float:
@@ -152,7 +155,7 @@ def drop(
     progress: Progress = no_progress,
     period: float | None = None,
 ) -> Drop:
-    """Drop a body onto a rigid floor in every given orientation and follow it until the impact has ended, or through the window.
+    """Drop a body onto the floor in every given orientation and follow it until the impact has ended, or through the window.
 
     Args:
         tets: The body [mm].
@@ -234,7 +237,7 @@ def scheme_for(discretisation: Discretisation, material: Material, test: DropTes
     Without a window the samples are the most that may be needed, and the lowest period [ms] must be given.
     """
     law = law_named(test.law, material)
-    stable, damping = damped_step(discretisation, test.damping)
+    stable, damping = damped_step(discretisation, test.damping, test.contact_stiffness)
     step = test.safety * stable
     if test.window is not None:
         steps = math.ceil(test.window / step)
@@ -248,7 +251,10 @@ def scheme_for(discretisation: Discretisation, material: Material, test: DropTes
         samples = min(math.ceil(longest(period) / (stride * step)), MAX_STEPS // stride)
     strength, hardening = (material.yield_strength, material.hardening) if test.plastic else (math.inf, 0.0)
     shares = step_shares(discretisation, step, damping)
-    return Scheme(law, step, damping, GRAVITY, test.friction, test.speed, stride, samples, test.across, strength, hardening, shares)
+    return Scheme(
+        law, step, damping, GRAVITY, test.friction, test.speed, stride, samples, test.across, strength, hardening, shares,
+        test.contact_stiffness,
+    )  # fmt: skip
 
 
 def _of_tracks(tets: TetMesh, discretisation: Discretisation, scheme: Scheme, tracks: Sequence[Track], steps: int, failure: str) -> Drop:

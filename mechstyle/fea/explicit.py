@@ -16,6 +16,7 @@ from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import eye_array
 
 from mechstyle.errors import BadInput
 from mechstyle.fea.discretisation import Discretisation, bound
@@ -74,6 +75,7 @@ class Scheme:
         yield_strength: Stress at which the material begins to flow [MPa]; infinite for an elastic body.
         hardening: By how much its strength rises per unit of plastic strain [MPa].
         shares: What each tetrahedron uses up of the step, `step_shares`; none where no time passes.
+        contact_stiffness: Stiffness of a penalty floor at each node [N/mm]; 0 for a rigid floor.
     """
 
     law: ElasticLaw
@@ -88,6 +90,7 @@ class Scheme:
     yield_strength: float = math.inf
     hardening: float = 0.0
     shares: Floats | float = 0.0
+    contact_stiffness: float = 0.0
 
     @property
     def yields(self) -> bool:
@@ -293,7 +296,7 @@ def failing(samples: Floats, scheme: Scheme) -> NDArray[np.bool_]:
     """Samples that are not finite or hold more energy than one before, shape [samples, orientations].
 
     Kinetic, strain and potential energy, plastic work and what the floor took can only lose to damping. They are held against the least
-    they were, or what damping took would hide as much energy gained.
+    they were, or what damping took would hide as much energy gained. A floor gives back no more than it took.
 
     Args:
         samples: From the touch on, shape [samples, QUANTITIES, orientations].
@@ -312,7 +315,7 @@ def total_energy(samples: Floats, scheme: Scheme) -> Floats:
     """
     of = {name: samples[:, place] for place, name in enumerate(QUANTITIES)}
     work = 0.0 if any(scheme.across) else of["plastic_work"]
-    return np.asarray(of["kinetic"] + of["strain"] + work + of["contact_loss"] + scheme.gravity * of["height"])
+    return np.asarray(of["kinetic"] + of["strain"] + work + np.maximum(of["contact_loss"], 0.0) + scheme.gravity * of["height"])
 
 
 def stable_step(frequency: float, damping: float) -> float:
@@ -332,19 +335,23 @@ def step_shares(body: Discretisation, step: float, damping: Floats) -> Floats:
     return np.minimum(0.25 * squared * (step**2 + 2.0 * step * damping), MOST_SHARE)
 
 
-def damped_step(body: Discretisation, share: float) -> tuple[float, Floats]:
+def damped_step(body: Discretisation, share: float, floor: float = 0.0) -> tuple[float, Floats]:
     """A stable Δt [ms], and β of each tetrahedron [ms], shape [tet_count], that damps it by a share of its own critical damping.
 
     β_e = 2 ξ/ω_e, with the frequencies ω_e of the tetrahedra on their own scaled so that the highest is the bound of the body's: so
     each would allow the step (2/ω_e)(sqrt(1 + ξ²) − ξ), the stiffest the smallest. What the assembled body allows is checked: with
     A = K + 2/Δt C and λ a bound of M⁻¹A, Δt min(1, 4/(Δt² λ)) is stable, since 2 Δt C falls more slowly with Δt than Δt² K.
+
+    A penalty floor of some stiffness [N/mm] at each node adds it to the diagonal of A, as if all nodes touched it.
     """
     stiffness = body.stiffness
     frequency = math.sqrt(bound(stiffness.norms, body.masses, body.highest))
     each = frequency * body.frequencies / body.frequencies.max()
     damping = 2.0 * share / each
     step = stable_step(frequency, 2.0 * share / frequency)
-    if share > 0.0:
+    if share > 0.0 or floor > 0.0:
         weighted = stiffness.weighted_norms(1.0 + 2.0 * damping / step)
+        if floor > 0.0:
+            weighted = weighted + floor * eye_array(weighted.shape[0], format="csr")
         step *= min(1.0, 4.0 / (step**2 * bound(weighted, body.masses, body.highest)))
     return step, damping

@@ -202,6 +202,8 @@ class StrengthTest(Chapter, frozen=True, kw_only=True):
         build_direction: Direction it is printed in, x, y, z or a vector such as 0,0,1: what pulls or shears layers apart is judged by their
             own strength. None for no layers; the material must know its `layer_ratio`.
         friction: Coulomb coefficient of the floor.
+        contact_stiffness: Stiffness of the published method's penalty floor at each node [N/mm], 0 for a rigid floor. Of criterion paper
+            alone, which brings it: it softens with every coarser mesh and lets rough undersides off.
         window: Simulated time after first touch [ms]; by default until the impact has ended.
         element: `tet10`, or `tet4` as in the published study, which is several times too stiff in thin walls.
         damping: Share of critical damping of each tetrahedron.
@@ -213,9 +215,9 @@ class StrengthTest(Chapter, frozen=True, kw_only=True):
     }  # fmt: skip
     LIMITS: ClassVar[Limits] = {
         "tolerance": (0.01, 100.0), "height": (1.0, 1e5), "orientations": (1, 512), "friction": (0.0, 2.0), "window": (0.05, 50.0),
-        "damping": (0.0, 1.0),
+        "contact_stiffness": (0.0, 1e5), "damping": (0.0, 1.0),
     }  # fmt: skip
-    RARE: ClassVar = frozenset({"friction", "element", "damping", "transfer"})
+    RARE: ClassVar = frozenset({"friction", "contact_stiffness", "element", "damping", "transfer"})
 
     specimen: Specimen = Specimen()
     material: Material
@@ -229,6 +231,7 @@ class StrengthTest(Chapter, frozen=True, kw_only=True):
     nearly_flat: bool = True
     build_direction: tuple[float, float, float] | None = None
     friction: float = 0.0
+    contact_stiffness: float = 0.0
     window: float | None = None
     element: str = "tet10"
     damping: float = 0.1
@@ -236,6 +239,10 @@ class StrengthTest(Chapter, frozen=True, kw_only=True):
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        if self.contact_stiffness and self.criterion != "paper":
+            raise BadInput(
+                "contact stiffness is of the published method, elsewhere the floor is rigid: leave it out, or ask for criterion paper"
+            )
         direction = self.build_direction
         if direction is None:
             return

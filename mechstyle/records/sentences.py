@@ -49,6 +49,11 @@ def _digits(row: Row) -> int:
     return next((n for n in range(6) if found <= allowed or bend(found, n) != bend(allowed, n)), 6)
 
 
+def floor(contact_stiffness: float) -> str:
+    """The floor of the published method: its stiffness at each node [N/mm], 0 for a rigid one."""
+    return f"a penalty floor of {contact_stiffness:g} N/mm a node" if contact_stiffness else "a rigid floor"
+
+
 def short(verdict: Verdict) -> str:
     """The outcome in a few words."""
     decides = verdict.deciding
@@ -70,7 +75,8 @@ def head(verdict: Verdict) -> str:
     if decides.stress is not None:  # which the published rule reads
         side = "at most" if decides.outcome == "HOLDS" else "above"
         strength = f"the {verdict.strength:.1f} MPa at which {verdict.material} yields"
-        return f"{verdict.outcome} by the published rule: the largest element stress is {decides.stress:.1f} MPa, {side} {strength}."
+        known = f"the largest element stress is {decides.stress:.1f} MPa, {side} {strength}"
+        return f"{verdict.outcome} by the published rule: {known}, on {floor(verdict.contact_stiffness)}."
     loads = [row.load for row in verdict.rows if row.load]
     asked = f"a fall of {written(verdict.fall)}"
     if verdict.outcome == "FAILS":

@@ -139,6 +139,7 @@ class Verdict(msgspec.Struct, frozen=True, kw_only=True):
         tolerance: The most that may stay bent [mm].
         material, strength: Name and yield strength [MPa] of the material.
         style: Short name of the style, "" for a part without one.
+        contact_stiffness: Of the published rule alone: stiffness of its penalty floor at each node [N/mm], 0 for a rigid floor.
         rows: The tests; none where nothing could be tested.
         doubts: Why the outcome is not sure; none if it is.
         failure: Why there is no answer, "" if there is.
@@ -157,6 +158,7 @@ class Verdict(msgspec.Struct, frozen=True, kw_only=True):
     strength: float
     material: str
     style: str = ""
+    contact_stiffness: float = 0.0
     rows: tuple[Row, ...] = ()
     doubts: tuple[Doubt, ...] = ()
     failure: str = ""
@@ -226,7 +228,7 @@ def judge(simulation: Simulation, original: Simulation | None, recipe: Recipe) -
     empty = Verdict(
         outcome="UNKNOWN", criterion=test.criterion, fall=test.height, tolerance=test.tolerance, strength=test.material.yield_strength,
         material=test.material.label, style="" if original is None else recipe.style.prompt if named else "styled",
-        failure=_failure(simulation, original, recipe), measure=MEASURE,
+        contact_stiffness=test.contact_stiffness, failure=_failure(simulation, original, recipe), measure=MEASURE,
     )  # fmt: skip
     if empty.failure:
         return empty

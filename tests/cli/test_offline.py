@@ -64,7 +64,7 @@ for words in {commands!r}:
 """
 
 
-LONG = {"demo", "study"}
+LONG = {"demo"}
 """Commands that take minutes, each of them runs as `run` and `freestyle` make them."""
 
 

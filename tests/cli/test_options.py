@@ -26,10 +26,6 @@ STYLED = (
     "--amplitude --clip --criterion --device --field --guidance --iterations --json --load --material -m --minimum-wall --orientations "
     "--height --nearly-flat --no-nearly-flat --poses --prompt -p --protect --seed --set --standard --stylizer --tolerance --window"
 )
-STUDIED = (
-    "--criterion --device --height --iterations --jobs --json --material -m --models --orientations --out --scheduler --seeds --set "
-    "--styles --tolerance --vertices"
-)
 READ = "--body --scale --size --unit --up"
 RESTRAINED = "--base --control --every --normalisation --schedule --threshold"
 NAMES = {
@@ -57,11 +53,6 @@ NAMES = {
     "materials": "--json",
     "styles": "--json",
     "gallery": "--json",
-    "study": "",
-    "study formative": STUDIED,
-    "study evaluation": f"{STUDIED} --controls --schedules",
-    "study ablation": f"{STUDIED} --arms --conditions",
-    "study page": "sources --json --note --out",
     "doctor": "--json",
     "weights": "",
     "weights fetch": "name --json",
@@ -110,8 +101,7 @@ def test_no_prompt_is_needed_where_a_picture_may_stand_for_it_and_the_material_i
 
 def test_there_is_an_option_for_some_settings_of_every_command_that_runs_something():
     assert set(OPTIONS) < set(SETTINGS)
-    commands = {"run", "freestyle", "branch", "simulate", "protect"}
-    commands |= {"study formative", "study evaluation", "study ablation", "class prepare"}
+    commands = {"run", "freestyle", "branch", "simulate", "protect", "class prepare"}
     assert {command for command, _ in GENERATED} == commands
 
 

@@ -6,11 +6,11 @@ import msgspec
 import numpy as np
 import pytest
 
+from benchmarks.study import cells as module
+from benchmarks.study.cells import Cell, Rows, carry_out, figures_of, one_factor
+from benchmarks.study.walk import walk
 from mechstyle.errors import BadInput
 from mechstyle.runs.recipes import draft
-from mechstyle.study import cells as module
-from mechstyle.study.cells import Cell, Rows, carry_out, figures_of, one_factor
-from mechstyle.study.walk import walk
 from support.lanes import lane_on_a_sheet
 from support.records import load_row, row, verdict
 

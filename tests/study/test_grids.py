@@ -2,10 +2,10 @@
 
 import pytest
 
+from benchmarks.study.grids import ARMS, STUDIES, STUDY_ARMS, STUDY_CONTROLS, STUDY_SCHEDULES, STYLES, Factors, cells_of
 from mechstyle import gallery
 from mechstyle.errors import BadInput
 from mechstyle.records.recipe import SETTINGS
-from mechstyle.study.grids import ARMS, STUDIES, STUDY_ARMS, STUDY_CONTROLS, STUDY_SCHEDULES, STYLES, Factors, cells_of
 from support.part_files import put
 from support.slicer_files import BESIDE, PLATE, mesh, model, package, thing
 

@@ -9,13 +9,13 @@ import pytest
 from PIL import Image
 from scipy import stats
 
+from benchmarks.study import page as module
+from benchmarks.study.cells import Row, Rows, read_table, write_table
+from benchmarks.study.figures import _cell, wilson
+from benchmarks.study.grids import CONDITIONS, STUDY_CONTROLS, STUDY_SCHEDULES, STYLES
+from benchmarks.study.page import SLIPS, write_page
 from mechstyle.errors import BadInput
 from mechstyle.records.sentences import EXPLANATION, MEANINGS, bend
-from mechstyle.study import page as module
-from mechstyle.study.cells import Row, Rows, read_table, write_table
-from mechstyle.study.figures import _cell, wilson
-from mechstyle.study.grids import CONDITIONS, STUDY_CONTROLS, STUDY_SCHEDULES, STYLES
-from mechstyle.study.page import SLIPS, write_page
 
 
 def study():

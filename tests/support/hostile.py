@@ -388,7 +388,7 @@ def _strange_array(draw: random.Random) -> bytes:
 
 
 VERBS = ("run", "freestyle", "branch", "simulate", "log", "show", "export", "report", "protect", "gallery", "materials", "styles",
-         "doctor", "weights", "study", "rerun", "gc")  # fmt: skip
+         "doctor", "weights", "rerun", "gc")  # fmt: skip
 ARGUMENTS = (
     "--prompt", "--material", "--iterations", "--vertices", "--tolerance", "--scale", "--unit", "--size", "--body", "--up", "--out",
     "--set", "--load", "--protect",

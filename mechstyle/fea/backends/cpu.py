@@ -176,6 +176,7 @@ def _step(scheme: Scheme, normals: Floats, body: CoreBody) -> Any:
     step.yield_strength = min(scheme.yield_strength, ELASTIC)
     step.damping, step.shares = body.of_tets(scheme.damping), body.of_tets(scheme.shares)
     step.time_step, step.gravity, step.friction = scheme.time_step, scheme.gravity, scheme.friction
+    step.contact_stiffness = scheme.contact_stiffness
     step.normals, step.across = _cpu(normals.astype(np.float32).ravel()), wp.vec3f(*scheme.across)
     return step
 

@@ -187,7 +187,10 @@ class DeviceBatch(_OnDevice):
         given = (self.by_slot, body.first_slot, body.masses, self.heights, self.normals)
         numbers = (scheme.time_step, scheme.gravity, scheme.friction)
         state = (self.u, self.v, self.impulse, self.contact_loss)
-        body.launch(kernels.advance, (body.node_count, self.count), *given, *numbers, *state)
+        if scheme.contact_stiffness:
+            body.launch(kernels.advance_on_penalty, (body.node_count, self.count), *given, *numbers, scheme.contact_stiffness, *state)
+        else:
+            body.launch(kernels.advance, (body.node_count, self.count), *given, *numbers, *state)
 
 
 class DeviceShaped(_OnDevice):

@@ -231,3 +231,35 @@ def advance(
         contact_loss[i, b] -= 0.5 * masses[i] * wp.dot(velocity - free, before + velocity)
     v[i, b] = velocity
     u[i, b] += dt * velocity
+
+
+@wp.kernel
+def advance_on_penalty(
+    forces: wp.array2d(dtype=wp.vec3f),
+    first_slot: wp.array(dtype=int),
+    masses: wp.array(dtype=float),
+    heights: wp.array2d(dtype=float),
+    normals: wp.array(dtype=wp.vec3f),
+    dt: float,
+    gravity: float,
+    friction: float,
+    stiffness: float,
+    u: wp.array2d(dtype=wp.vec3f),
+    v: wp.array2d(dtype=wp.vec3f),
+    impulse: wp.array2d(dtype=float),
+    contact_loss: wp.array2d(dtype=float),
+):
+    """As `advance`, on a floor that pushes a node with its stiffness times the depth below it, and gives back what it took."""
+    i, b = wp.tid()
+    n = normals[b]
+    force = gathered(forces, first_slot, i, b)
+    before = v[i, b]
+    velocity = before + dt * (force / masses[i] - gravity * n)
+    gap = heights[i, b] + wp.dot(n, u[i, b])
+    if gap < 0.0:
+        free, push = velocity, -gap * stiffness * dt / masses[i]
+        velocity = after_contact(free, -push * dt, n, dt, friction)
+        impulse[i, b] += masses[i] * push
+        contact_loss[i, b] -= 0.5 * masses[i] * wp.dot(velocity - free, before + velocity)
+    v[i, b] = velocity
+    u[i, b] += dt * velocity

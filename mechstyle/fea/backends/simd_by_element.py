@@ -93,6 +93,7 @@ class LaneScheme:
     time_step: wp.float32
     gravity: wp.float32
     friction: wp.float32
+    contact_stiffness: wp.float32  # of a penalty floor at each node, 0 for a rigid floor
     damping: wp.array(dtype=wp.float32)  # β of each tetrahedron, as the blocks lie
     shares: wp.array(dtype=wp.float32)  # likewise
     normals: wp.array(dtype=wp.float32)
@@ -219,6 +220,34 @@ _ADVANCE = (
 """
 )
 
+_ADVANCE_ON_PENALTY = (
+    CONTRACT
+    + """
+    typedef float Row __attribute__((vector_size(16), aligned(4)));
+    auto dot = [](Row a, Row b) { const Row p = a * b; return p[0] + p[1] + p[2]; };
+    const float dt = scheme.time_step, stiffness = scheme.contact_stiffness, *normal_of = scheme.normals.data;
+    const Row n = {normal_of[0], normal_of[1], normal_of[2], 0.0f}, weight = scheme.gravity * n;
+    Row *U = (Row *)state.u.data, *V = (Row *)state.v.data, *F = (Row *)state.forces.data;
+    for (int i = 0; i < body.masses.shape[0]; i++) {
+        const float mass = body.masses.data[i], gap = state.heights.data[i] + dot(n, U[i]);
+        const Row free = V[i] + dt * (F[i] / mass - weight);
+        Row velocity = free;
+        if (gap < 0.0f) {
+            const float push = -gap * stiffness * dt / mass;
+            const Row landed = free + push * n, normal = dot(landed, n) * n, tangential = landed - normal;
+            const float length = sqrtf(dot(tangential, tangential));
+            const float clipped = scheme.friction * push / (length > 1.0e-12f ? length : 1.0e-12f);
+            velocity = normal + (clipped < 1.0f ? 1.0f - clipped : 0.0f) * tangential;
+            state.impulse.data[i] += mass * push;
+            state.contact_loss.data[i] -= 0.5f * mass * dot(velocity - free, V[i] + velocity);
+        }
+        V[i] = velocity;
+        U[i] = U[i] + dt * velocity;
+        F[i] = Row{};
+    }
+"""
+)
+
 _SAMPLE = """
     double kinetic = 0.0, height = 0.0, momentum = 0.0, impulse = 0.0, contact_loss = 0.0, stored = 0.0, work = 0.0, motion[18] = {};
     float highest = 0.0f;
@@ -264,6 +293,11 @@ def advance(body: LaneBody, state: LaneState, scheme: LaneScheme) -> None:
     """Symplectic Euler with contact for every node, as `kernels.advance`; clears the forces."""
 
 
+@wp.func_native(_ADVANCE_ON_PENALTY)
+def advance_on_penalty(body: LaneBody, state: LaneState, scheme: LaneScheme) -> None:
+    """The same on a penalty floor, as `kernels.advance_on_penalty`."""
+
+
 @wp.func_native(_HEAD + STRAIN + _SAMPLE)
 def sample(body: LaneBody, state: LaneState, scheme: LaneScheme, row: int) -> None:
     """One row of the history, in the order of `explicit.QUANTITIES`."""
@@ -282,6 +316,9 @@ def strides(body: LaneBody, state: LaneState, scheme: LaneScheme, first_row: int
     for row in range(rows):
         for step in range(steps):
             element_forces(body, state, scheme, wp.where(step % record_every == 0, 1, 0))
-            advance(body, state, scheme)
+            if scheme.contact_stiffness > 0.0:
+                advance_on_penalty(body, state, scheme)
+            else:
+                advance(body, state, scheme)
         sample(body, state, scheme, first_row + row)
     restore_mode(mode)

@@ -10,13 +10,13 @@ import msgspec
 import pytest
 from typer.testing import CliRunner
 
+from mechstyle import classroom
+from mechstyle.classroom import as_file, collect, prepare
 from mechstyle.cli.app import app
 from mechstyle.errors import BadInput
 from mechstyle.runs.report.markup import script_json
 from mechstyle.runs.report.page import write_report
 from mechstyle.runs.report.result import Result, read_result, result_element
-from mechstyle.study import classroom
-from mechstyle.study.classroom import as_file, collect, prepare
 from support.lanes import lane_on_a_sheet
 
 GOOD = {

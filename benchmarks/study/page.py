@@ -11,13 +11,14 @@ from typing import Any
 import msgspec
 import numpy as np
 
+from benchmarks.study import figures
+from benchmarks.study.cells import Row, write_table
+from benchmarks.study.grids import CONDITIONS
 from mechstyle._files import write_whole
+from mechstyle.classroom import markdown
 from mechstyle.errors import BadInput
 from mechstyle.records.sentences import EXPLANATION, MEANINGS, bend
 from mechstyle.records.written import written
-from mechstyle.study import figures
-from mechstyle.study.cells import Row, markdown, write_table
-from mechstyle.study.grids import CONDITIONS
 
 FREE = "freestyle"
 PUBLISHED = {FREE: 25.55}
@@ -68,7 +69,7 @@ def write_page(rows: Sequence[Row], page: Path, *, note: str = "") -> dict[str, 
         write_whole(path, picture())
         pictures[name], files[name] = path.name, str(path)
     digest = hashlib.sha256(msgspec.json.encode(own)).hexdigest()[:12]
-    made = f"Made of [{table.name}]({table.name}) (rows {digest}) by `mechstyle study page {table.name} --out {page.name}`."
+    made = f"Made of [{table.name}]({table.name}) (rows {digest}) by `python -m benchmarks.study page {table.name} --out {page.name}`."
     meanings = "\n".join(f"* **{outcome}**: {meaning}" for outcome, meaning in MEANINGS.items())
     parts = ["# Study", _found(done), "\n".join(filter(None, (note, made))), _what(own, done)]
     parts += ["## How to read it", " ".join(EXPLANATION[:3]), " ".join(EXPLANATION[3:]), meanings]

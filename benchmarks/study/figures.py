@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy import stats
 
-from mechstyle.study.cells import Row
+from benchmarks.study.cells import Row
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import product
 from pathlib import Path
 from types import MappingProxyType
@@ -11,18 +11,34 @@ from typing import Any
 
 import msgspec
 
+from benchmarks.study.cells import Cell
 from mechstyle.errors import BadInput, unknown
 from mechstyle.gallery import PREFIX, entry, load, names
 from mechstyle.records.mesh import STANDARD_VERTICES
 from mechstyle.runs.recipes import FREESTYLE, draft
-from mechstyle.study.cells import Cell
 
 STYLES = ("brick", "stone", "cactus", "realistic", "crochet", "green")
 """The six styles of the published study, in its order."""
 STUDY_CONTROLS = ("linear", "exponential", "frozen")
 STUDY_SCHEDULES = ("every", "exponential", "geometry", "stress")
 """Published as linear temporal, non-linear temporal, geometry-based and stress-based."""
-STUDIES = ("formative", "evaluation", "ablation")
+STUDIES = ("formative", "evaluation", "ablation", "calibration", "sensitivity")
+NAMED = (("pen_holder", "brick"), ("phone_stand", "brick"))
+"""The cells that the published study describes: the first at about four times yield, its plain part below; the second viable."""
+FLOORS = (10.0, 30.0, 100.0, 300.0, 1000.0, 3000.0, 0.0)
+"""Stiffnesses of a penalty floor at each node [N/mm], a rigid one last."""
+MOVED: Mapping[str, Mapping[str, Any]] = MappingProxyType(
+    {
+        "as published": {},
+        "element tet10": {"element": "tet10"},
+        "relief 0.3 mm": {"relief": 0.3},
+        "relief 1.2 mm": {"relief": 1.2},
+        "plain base": {"base": "plain"},
+    }
+)
+"""What moves the share, one thing at a time: settings of a free run under the published rule; `sensitivity` adds coarser meshes."""
+COARSER = (3000, 8000)
+"""Vertices of these."""
 
 
 @dataclass(frozen=True)
@@ -86,7 +102,8 @@ CONDITIONS: Mapping[str, Condition] = MappingProxyType(
 class Factors:
     """What is crossed in a study: parts (gallery models or files), prompts and seeds; and what all its cells have.
 
-    Controls and schedules are those of an evaluation, arms and conditions, names of `STUDY_ARMS` and `CONDITIONS`, of an ablation.
+    On `floors` finished parts are dropped again, under the published rule. Controls and schedules are those of an evaluation, arms and
+    conditions, names of `STUDY_ARMS` and `CONDITIONS`, of an ablation.
     """
 
     models: Sequence[str] = ()
@@ -99,6 +116,7 @@ class Factors:
     iterations: int = 200
     vertices: int = STANDARD_VERTICES
     device: str = "auto"
+    floors: Sequence[float] = ()
     settings: Mapping[str, Any] = field(default_factory=dict)
 
     @property
@@ -117,7 +135,8 @@ class Factors:
     def cell(self, model: str, style: str, seed: int, arm: str, **settings: Any) -> Cell:
         """A cell of these factors."""
         recipe = draft(style, **{"seed": seed, "iterations": self.iterations, **self.settings, **settings})
-        return Cell(model=model, arm=arm, recipe=recipe, vertices=self.vertices, device=self.device)
+        floors = tuple(self.floors) if recipe.restraint.control == "none" else ()
+        return Cell(model=model, arm=arm, recipe=recipe, vertices=self.vertices, device=self.device, floors=floors)
 
 
 def cells_of(study: str, factors: Factors) -> list[Cell]:
@@ -133,11 +152,17 @@ def cells_of(study: str, factors: Factors) -> list[Cell]:
             load(model)  # one that cannot be used is refused before hours are spent on the others
     if study == "ablation":
         return _ablation(factors)
+    if study == "calibration":
+        return [replace(factors, models=[model]).cell(PREFIX + model, style, 0, "freestyle", **FREESTYLE) for model, style in NAMED]
+    blocks = list(product(factors.addresses, factors.styles, factors.seeds))
+    if study == "sensitivity":
+        cells = [factors.cell(*block, name, **{**FREESTYLE, **moved}) for block in blocks for name, moved in MOVED.items()]
+        coarse = (replace(factors, vertices=count) for count in COARSER)
+        return cells + [one.cell(*block, f"{one.vertices} vertices", **FREESTYLE) for one in coarse for block in blocks]
     arms: list[tuple[str, dict[str, Any]]] = [("freestyle", FREESTYLE)]
     if study == "evaluation":  # without corrections at the end, as published; and freely, for the loss it is compared with
         ways = product(factors.schedules, factors.controls)
         arms += [(f"{one} × {control}", {"control": control, "schedule": one, "guarantee": False}) for one, control in ways]
-    blocks = product(factors.addresses, factors.styles, factors.seeds)
     return [factors.cell(model, style, seed, arm, **settings) for model, style, seed in blocks for arm, settings in arms]
 
 

@@ -21,7 +21,6 @@ from mechstyle.runs.recipes import draft
 from mechstyle.runs.report.reproduce import options, settings_for
 from mechstyle.runs.report.result import Result, read_result
 from mechstyle.runs.run import started
-from mechstyle.study.cells import markdown
 
 VERTICES, ITERATIONS = 3000, 60
 """Of a part in class: a run then takes about a minute on two cores."""
@@ -39,6 +38,12 @@ class Task:
     model: str
     prompt: str
     command: str
+
+
+def markdown(lines: Sequence[tuple[str, ...]]) -> str:
+    """A table of headings and lines."""
+    ruled = [lines[0], tuple("---" for _ in lines[0]), *lines[1:]]
+    return "".join(f"| {' | '.join(line)} |\n" for line in ruled)
 
 
 def prepare(

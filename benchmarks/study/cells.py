@@ -63,6 +63,10 @@ class Row(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True)
         permanent_set: What stays bent in it [mm].
         plain_permanent_set: The same of the plain part.
         allowed: What may stay bent in it [mm].
+        stress, plain_stress: By the published rule: the largest stress of an element, styled and plain [MPa].
+        strength: Yield strength [MPa].
+        contact_stiffness: Stiffness of its floor at each node [N/mm], 0 for a rigid one.
+        floors: The finished part and the plain one dropped again on other floors: stiffness, stress, plain stress of each.
         plastic_strain: The most plastic strain in tension of all tests.
         carries: Times its loads that the part carries within the tolerance, of the load it carries least of; None without loads.
         kept: Share of the style's relief that is left, by what can be seen of it.
@@ -100,6 +104,11 @@ class Row(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True)
     permanent_set: float | None = None
     plain_permanent_set: float | None = None
     allowed: float | None = None
+    stress: float | None = None
+    plain_stress: float | None = None
+    strength: float = 0.0
+    contact_stiffness: float = 0.0
+    floors: tuple[tuple[float, float, float], ...] = ()
     plastic_strain: float | None = None
     carries: float | None = None
     kept: float = 0.0
@@ -130,6 +139,7 @@ class Cell(msgspec.Struct, frozen=True, kw_only=True):
         vertices: Vertices of the standardised surface.
         condition: Name of what is asked of the part, one of `grids.CONDITIONS`.
         one_factor: Whether the whole relief is then lowered by the largest factor that passes.
+        floors: By the published rule: stiffnesses of floors on which the finished part is dropped again.
         load_share: Share of what the plain part carries that the loads of the recipe are scaled to; 0 leaves them as they are.
         folder: Its run directory under the study's folder; by default one named by its factors and key.
         device: `auto`, `cpu` or `cuda`.
@@ -142,6 +152,7 @@ class Cell(msgspec.Struct, frozen=True, kw_only=True):
     vertices: int
     condition: str = "drop"
     one_factor: bool = False
+    floors: tuple[float, ...] = ()
     load_share: float = 0.0
     folder: str = ""
     device: str = "auto"
@@ -159,7 +170,7 @@ class Cell(msgspec.Struct, frozen=True, kw_only=True):
         version = f"{TETRAHEDRA}-{PHYSICS_VERSION}"
         asked = {
             "model": self.model, "recipe": self.recipe.digest, "vertices": self.vertices, "load_share": self.load_share, "version": version,
-            "one_factor": self.one_factor,
+            "one_factor": self.one_factor, "floors": self.floors,
         }  # fmt: skip
         return hashlib.sha256(msgspec.json.encode(asked, order="sorted")).hexdigest()[:24]
 
@@ -250,7 +261,7 @@ def carry_out(cell: Cell, folder: str | Path) -> Row:
 def _figures(cell: Cell, folder: Path) -> Mapping[str, Any]:
     try:
         run = cell.run(folder)
-        return {**figures_of(run), **(one_factor(run) if cell.one_factor else {})}
+        return {**figures_of(run), **(one_factor(run) if cell.one_factor else {}), **on_floors(run, cell.floors)}
     except MechStyleError as error:
         return {"status": "refused", "refused": str(error)}
     except Exception as error:  # noqa: BLE001 — a study goes on; the reason is in the row, the traceback beside the runs
@@ -268,6 +279,8 @@ def figures_of(run: Run) -> Mapping[str, Any]:
         "style_loss": summary.style_loss,
         "simulations": len(summary.simulations),
         "tetrahedra": len(run.part.tets.volumes),
+        "strength": run.verdict.strength,
+        "contact_stiffness": run.recipe.test.contact_stiffness,
         "mass_gained": run.part.mass_gained,
         "device": summary.device,
     }
@@ -282,6 +295,7 @@ def _judged(verdict: Verdict) -> Mapping[str, Any]:
         "sure": verdict.sure,
         "doubt": verdict.doubt,
         "decides": "" if worst is None else sentences.label(worst),
+        "stress": None if worst is None else worst.stress,
         "plastic_strain": max((row.plastic_strain for row in verdict.rows), default=None),
         "carries": min((row.carries for row in verdict.rows if row.carries is not None), default=None),
         **bent,
@@ -300,6 +314,18 @@ def one_factor(run: Run) -> Mapping[str, Any]:
         low, high, verdict = (factor, high, found) if found.passes else (low, factor, verdict)
         tests += 1
     return {**_judged(verdict), "kept": low * run.summary.kept, "simulations": len(run.summary.simulations) + tests}
+
+
+def on_floors(run: Run, floors: Sequence[float]) -> Mapping[str, Any]:
+    """What a row says besides of a run by the published rule: the plain part, and both parts on other floors."""
+    if run.recipe.test.criterion != "paper":
+        return {}
+    relief, found = run.checkpoint().displacement, list[tuple[float, float, float]]()
+    for stiffness in floors:
+        simulator = run.simulator(run.recipe.with_settings(contact_stiffness=stiffness))
+        styled, plain = simulator.simulate(relief, thorough=True), simulator.baseline
+        found.append((stiffness, *(math.inf if one.failure else one.maximum for one in (styled, plain))))
+    return {"plain_stress": run.simulator(run.recipe).baseline.maximum, "floors": tuple(found)}
 
 
 def with_loads(recipe: Recipe, model: SurfaceMesh, vertices: int, *, share: float, folder: Path) -> Recipe:
@@ -390,13 +416,7 @@ def read_table(source: str | Path) -> list[Row]:
     try:
         rows = Rows(path).all() if path.is_dir() else msgspec.json.decode(path.read_bytes(), type=list[Row])
     except (msgspec.MsgspecError, OSError) as error:
-        raise BadInput(f"{path} is no table of a study, or of an older measure ({error}): run `mechstyle study` again") from error
+        raise BadInput(f"{path} is no table of a study, or of an older measure ({error}): run the study again") from error
     if not rows:
         raise BadInput(f"{path} holds no rows of a study in mm: name the folder that was its --out, or its table, or run it again")
     return rows
-
-
-def markdown(lines: Sequence[tuple[str, ...]]) -> str:
-    """A table of headings and lines."""
-    ruled = [lines[0], tuple("---" for _ in lines[0]), *lines[1:]]
-    return "".join(f"| {' | '.join(line)} |\n" for line in ruled)

@@ -16,9 +16,9 @@ from typing import Any
 
 import msgspec
 
+from benchmarks.study.cells import Cell, Row, Rows, carry_out
 from mechstyle.errors import BadInput
 from mechstyle.fea.explicit import THREADS, cores
-from mechstyle.study.cells import Cell, Row, Rows, carry_out
 
 DEATHS = 3
 """A cell whose process died so often is a row that says so."""
@@ -162,7 +162,7 @@ def _on_workers(cells: Sequence[Cell], rows: Rows, scheduler: str) -> Iterator[R
     try:
         from distributed import Client, as_completed  # noqa: PLC0415 — an extra
     except ImportError as error:
-        raise BadInput("a scheduler needs Dask: pip install 'mechstyle[study]', or use --jobs, which needs nothing") from error
+        raise BadInput("a scheduler needs Dask: pip install 'dask[distributed]', or use --jobs, which needs nothing") from error
     coming = iter(cells)
     known = {f"mechstyle-{cell.key}": cell for cell in cells}
     try:

@@ -1,4 +1,7 @@
-"""Commands that run many cells: study formative, evaluation, ablation, page."""
+"""Run many cells on one machine or many, and make a page of them; what was run before is only read.
+
+python -m benchmarks.study formative | evaluation | ablation | published | page … --help     (in the repository)
+"""
 
 from __future__ import annotations
 
@@ -15,12 +18,10 @@ from mechstyle.cli.options import MACHINE, READ_AS, Device, Json, Settings, Vert
 from mechstyle.records.mesh import STANDARD_VERTICES
 
 if TYPE_CHECKING:
-    from mechstyle.study.cells import Row
-    from mechstyle.study.grids import Factors
+    from benchmarks.study.cells import Row
+    from benchmarks.study.grids import Factors
 
-app = typer.Typer()
-study_app = typer.Typer(help="Run many cells on one machine or many, and make a page of them; what was run before is only read.")
-app.add_typer(study_app, name="study")
+app = typer.Typer(no_args_is_help=True, help="Run many cells and make a page of them; what was run before is only read.")
 
 CROSSED = "What is crossed"
 
@@ -61,10 +62,12 @@ Jobs = Annotated[int, typer.Option(min=1, max=256, help="Processes side by side 
 Scheduler = Annotated[
     str, typer.Option(help="Address or file of a Dask scheduler, whose workers then run the cells.", rich_help_panel=MACHINE)
 ]
+OnlyPart = Annotated[str, typer.Option("--only", help="One of calibration, sensitivity, free, ways; by default all in this order.")]
+Iterations = Annotated[int, typer.Option(min=1, help="Stylization iterations.")]
 shared = recipe_options("iterations", "material", "height", "tolerance", "orientations", "criterion", begins=False, others=True)
 
 
-@study_app.command("formative", cls=SeveralWords)
+@app.command("formative", cls=SeveralWords)
 @command
 @shared
 def formative_command(
@@ -76,7 +79,7 @@ def formative_command(
     _carried_out("formative", _factors(crossed, settings, vertices, device), folder, jobs, scheduler, as_json=as_json)
 
 
-@study_app.command("evaluation", cls=SeveralWords)
+@app.command("evaluation", cls=SeveralWords)
 @command
 @shared
 def evaluation_command(
@@ -89,7 +92,7 @@ def evaluation_command(
     _carried_out("evaluation", _factors(crossed, settings, vertices, device), folder, jobs, scheduler, as_json=as_json)
 
 
-@study_app.command("ablation", cls=SeveralWords)
+@app.command("ablation", cls=SeveralWords)
 @command
 @shared
 def ablation_study_command(
@@ -102,7 +105,22 @@ def ablation_study_command(
     _carried_out("ablation", _factors(crossed, settings, vertices, device), folder, jobs, scheduler, as_json=as_json)
 
 
-@study_app.command("page")
+@app.command("published")
+@command
+def published_command(
+    models: Models = None, styles: Styles = None, folder: Out = Path("study-published"), part: OnlyPart = "", jobs: Jobs = 1,
+    scheduler: Scheduler = "", vertices: Vertices = STANDARD_VERTICES, iterations: Iterations = 200, device: Device = "auto",
+    as_json: Json = False,
+) -> None:  # fmt: skip
+    """The published study by its own rule: calibration of the floor, what moves the share, the formative study, the twelve ways."""
+    from benchmarks.study.published import PARTS, factors_of  # noqa: PLC0415 — physics is loaded when something is run
+
+    for name in (part,) if part else PARTS:
+        factors = factors_of(name, models, styles, vertices=vertices, iterations=iterations, device=device)
+        _carried_out(PARTS[name].study, factors, folder / name, jobs, scheduler, as_json=as_json)
+
+
+@app.command("page")
 @command
 def page_command(
     sources: Annotated[list[Path], typer.Argument(metavar="SOURCE...", help="Folders of studies, or tables that were made of them.")],
@@ -111,8 +129,8 @@ def page_command(
     as_json: Json = False,
 ) -> None:
     """Make a page of studies: counts with intervals, figures, and the table it is made from."""
-    from mechstyle.study.cells import read_table  # noqa: PLC0415
-    from mechstyle.study.page import write_page  # noqa: PLC0415 — figures are loaded when wanted
+    from benchmarks.study.cells import read_table  # noqa: PLC0415
+    from benchmarks.study.page import write_page  # noqa: PLC0415 — figures are loaded when wanted
 
     files = write_page([row for source in sources for row in read_table(source)], page, note=words)
     if as_json:
@@ -123,7 +141,7 @@ def page_command(
 
 def _factors(crossed: dict[str, Any], settings: Settings, vertices: int, device: str) -> Factors:
     """What was asked for; what was not is left to the study."""
-    from mechstyle.study.grids import Factors  # noqa: PLC0415 — physics is loaded when something is run
+    from benchmarks.study.grids import Factors  # noqa: PLC0415 — physics is loaded when something is run
 
     own = {name: settings.pop(name) for name in ("iterations",) if name in settings}
     given = {name: value for name, value in crossed.items() if value is not None}
@@ -132,10 +150,10 @@ def _factors(crossed: dict[str, Any], settings: Settings, vertices: int, device:
 
 def _carried_out(study: str, factors: Factors, folder: Path, jobs: int, scheduler: str, *, as_json: bool) -> None:
     """Walk over the cells, then keep the table and print what came of them."""
-    from mechstyle.study.cells import write_table  # noqa: PLC0415
-    from mechstyle.study.figures import wilson  # noqa: PLC0415
-    from mechstyle.study.grids import cells_of  # noqa: PLC0415 — as above
-    from mechstyle.study.walk import walk  # noqa: PLC0415
+    from benchmarks.study.cells import write_table  # noqa: PLC0415
+    from benchmarks.study.figures import wilson  # noqa: PLC0415
+    from benchmarks.study.grids import cells_of  # noqa: PLC0415 — as above
+    from benchmarks.study.walk import walk  # noqa: PLC0415
 
     cells = cells_of(study, factors)
     with progress_shown(len(cells), quiet=as_json) as teller:
@@ -172,3 +190,7 @@ def _print_rest(rows: Sequence[Row], files: dict[str, str]) -> None:
 def brief(row: Row) -> str:
     """One run in a line: its part, style, condition and arm, and what came of it."""
     return f"{row.part} as {row.prompt!r}, {row.condition}, {row.arm}: {row.refused or row.outcome}"
+
+
+if __name__ == "__main__":
+    app()
