@@ -63,6 +63,9 @@ Scheduler = Annotated[
     str, typer.Option(help="Address or file of a Dask scheduler, whose workers then run the cells.", rich_help_panel=MACHINE)
 ]
 OnlyPart = Annotated[str, typer.Option("--only", help="One of calibration, sensitivity, free, ways; by default all in this order.")]
+Tetrahedra = Annotated[int, typer.Option(min=500, max=400_000, help="About how many a part is filled with.")]
+TETRAHEDRA = 28_000
+"""Of a part, on average, in the published study."""
 Iterations = Annotated[int, typer.Option(min=1, help="Stylization iterations.")]
 shared = recipe_options("iterations", "material", "height", "tolerance", "orientations", "criterion", begins=False, others=True)
 
@@ -105,18 +108,18 @@ def ablation_study_command(
     _carried_out("ablation", _factors(crossed, settings, vertices, device), folder, jobs, scheduler, as_json=as_json)
 
 
-@app.command("published")
+@app.command("published", cls=SeveralWords)
 @command
 def published_command(
     models: Models = None, styles: Styles = None, folder: Out = Path("study-published"), part: OnlyPart = "", jobs: Jobs = 1,
-    scheduler: Scheduler = "", vertices: Vertices = STANDARD_VERTICES, iterations: Iterations = 200, device: Device = "auto",
-    as_json: Json = False,
+    scheduler: Scheduler = "", vertices: Vertices = STANDARD_VERTICES, tetrahedra: Tetrahedra = TETRAHEDRA, iterations: Iterations = 200,
+    device: Device = "auto", as_json: Json = False,
 ) -> None:  # fmt: skip
     """The published study by its own rule: calibration of the floor, what moves the share, the formative study, the twelve ways."""
     from benchmarks.study.published import PARTS, factors_of  # noqa: PLC0415 — physics is loaded when something is run
 
     for name in (part,) if part else PARTS:
-        factors = factors_of(name, models, styles, vertices=vertices, iterations=iterations, device=device)
+        factors = factors_of(name, models, styles, vertices=vertices, tetrahedra=tetrahedra, iterations=iterations, device=device)
         _carried_out(PARTS[name].study, factors, folder / name, jobs, scheduler, as_json=as_json)
 
 

@@ -11,11 +11,12 @@ import hashlib
 import math
 import os
 import traceback
-from collections.abc import Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from time import perf_counter
 from typing import Any, Literal
+from unittest.mock import patch
 
 import msgspec
 
@@ -24,12 +25,14 @@ from mechstyle._files import exclusive, file_stem, write_whole
 from mechstyle.errors import BadInput, MechStyleError
 from mechstyle.fea.statics import StaticTest
 from mechstyle.gallery import PREFIX, addressed, load
+from mechstyle.geometry.remeshing import filling
 from mechstyle.geometry.remeshing.filling import VERSION as TETRAHEDRA
 from mechstyle.loop.correction import NEAREST
 from mechstyle.records import Recipe, Verdict, sentences
 from mechstyle.records.load_cases import Load, LoadCase
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.runs.run import Run, started
+from mechstyle.simulation import part
 from mechstyle.simulation.part import prepare
 from mechstyle.simulation.physics import PHYSICS_VERSION
 
@@ -139,6 +142,7 @@ class Cell(msgspec.Struct, frozen=True, kw_only=True):
         vertices: Vertices of the standardised surface.
         condition: Name of what is asked of the part, one of `grids.CONDITIONS`.
         one_factor: Whether the whole relief is then lowered by the largest factor that passes.
+        tetrahedra: About how many its meshes have, of the surface's triangles as many as belong to that; 0 for the usual number.
         floors: By the published rule: stiffnesses of floors on which the finished part is dropped again.
         load_share: Share of what the plain part carries that the loads of the recipe are scaled to; 0 leaves them as they are.
         folder: Its run directory under the study's folder; by default one named by its factors and key.
@@ -152,6 +156,7 @@ class Cell(msgspec.Struct, frozen=True, kw_only=True):
     vertices: int
     condition: str = "drop"
     one_factor: bool = False
+    tetrahedra: int = 0
     floors: tuple[float, ...] = ()
     load_share: float = 0.0
     folder: str = ""
@@ -171,6 +176,7 @@ class Cell(msgspec.Struct, frozen=True, kw_only=True):
         asked = {
             "model": self.model, "recipe": self.recipe.digest, "vertices": self.vertices, "load_share": self.load_share, "version": version,
             "one_factor": self.one_factor, "floors": self.floors,
+            "tetrahedra": self.tetrahedra,
         }  # fmt: skip
         return hashlib.sha256(msgspec.json.encode(asked, order="sorted")).hexdigest()[:24]
 
@@ -258,7 +264,23 @@ def carry_out(cell: Cell, folder: str | Path) -> Row:
     return row
 
 
+@contextmanager
+def meshed(tetrahedra: int) -> Iterator[None]:
+    """In the block parts are filled with about so many tetrahedra, which no recipe says: their number is no setting of the product."""
+    if not tetrahedra:
+        yield
+        return
+    kept = tuple(count for count in filling.KEPT if count >= 0.75 * tetrahedra) or filling.KEPT[:1]
+    with patch.object(part, "TETS", tetrahedra), patch.object(filling, "KEPT", kept):
+        yield
+
+
 def _figures(cell: Cell, folder: Path) -> Mapping[str, Any]:
+    with meshed(cell.tetrahedra):
+        return _figures_of_cell(cell, folder)
+
+
+def _figures_of_cell(cell: Cell, folder: Path) -> Mapping[str, Any]:
     try:
         run = cell.run(folder)
         return {**figures_of(run), **(one_factor(run) if cell.one_factor else {}), **on_floors(run, cell.floors)}
@@ -280,7 +302,7 @@ def figures_of(run: Run) -> Mapping[str, Any]:
         "simulations": len(summary.simulations),
         "tetrahedra": len(run.part.tets.volumes),
         "strength": run.verdict.strength,
-        "contact_stiffness": run.recipe.test.contact_stiffness,
+        "contact_stiffness": run.recipe.test.floor,
         "mass_gained": run.part.mass_gained,
         "device": summary.device,
     }
@@ -356,12 +378,12 @@ MOST_TIMES = 8
 
 def load_factors(recipe: Recipe, model: SurfaceMesh, vertices: int) -> dict[str, float]:
     """Times each load case of a recipe that a plain part carries, by its name; arguments and errors as for `with_loads`."""
-    part, test, found = prepare(model, vertices=vertices), recipe.test, dict[str, float]()
+    plain, test, found = prepare(model, vertices=vertices), recipe.test, dict[str, float]()
     for case in test.loads:
         factor = 1.0
         for _ in range(MOST_TIMES):
-            loaded = StaticTest(part.tets, (scaled(case, factor),), test.element).loaded(
-                part.tets, test.material, across=test.across_layers, tolerance=test.tolerance
+            loaded = StaticTest(plain.tets, (scaled(case, factor),), test.element).loaded(
+                plain.tets, test.material, across=test.across_layers, tolerance=test.tolerance
             )[case.name]
             factor *= loaded.result.factor
             if loaded.result.reached:

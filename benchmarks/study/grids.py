@@ -37,8 +37,8 @@ MOVED: Mapping[str, Mapping[str, Any]] = MappingProxyType(
     }
 )
 """What moves the share, one thing at a time: settings of a free run under the published rule; `sensitivity` adds coarser meshes."""
-COARSER = (3000, 8000)
-"""Vertices of these."""
+COARSER = (8_000, 16_000)
+"""Tetrahedra of these."""
 
 
 @dataclass(frozen=True)
@@ -116,6 +116,7 @@ class Factors:
     iterations: int = 200
     vertices: int = STANDARD_VERTICES
     device: str = "auto"
+    tetrahedra: int = 0
     floors: Sequence[float] = ()
     settings: Mapping[str, Any] = field(default_factory=dict)
 
@@ -136,7 +137,9 @@ class Factors:
         """A cell of these factors."""
         recipe = draft(style, **{"seed": seed, "iterations": self.iterations, **self.settings, **settings})
         floors = tuple(self.floors) if recipe.restraint.control == "none" else ()
-        return Cell(model=model, arm=arm, recipe=recipe, vertices=self.vertices, device=self.device, floors=floors)
+        return Cell(
+            model=model, arm=arm, recipe=recipe, vertices=self.vertices, device=self.device, tetrahedra=self.tetrahedra, floors=floors
+        )
 
 
 def cells_of(study: str, factors: Factors) -> list[Cell]:
@@ -157,8 +160,8 @@ def cells_of(study: str, factors: Factors) -> list[Cell]:
     blocks = list(product(factors.addresses, factors.styles, factors.seeds))
     if study == "sensitivity":
         cells = [factors.cell(*block, name, **{**FREESTYLE, **moved}) for block in blocks for name, moved in MOVED.items()]
-        coarse = (replace(factors, vertices=count) for count in COARSER)
-        return cells + [one.cell(*block, f"{one.vertices} vertices", **FREESTYLE) for one in coarse for block in blocks]
+        coarse = (replace(factors, tetrahedra=count) for count in COARSER)
+        return cells + [one.cell(*block, f"{one.tetrahedra} tetrahedra", **FREESTYLE) for one in coarse for block in blocks]
     arms: list[tuple[str, dict[str, Any]]] = [("freestyle", FREESTYLE)]
     if study == "evaluation":  # without corrections at the end, as published; and freely, for the loss it is compared with
         ways = product(factors.schedules, factors.controls)

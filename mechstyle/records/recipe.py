@@ -239,10 +239,6 @@ class StrengthTest(Chapter, frozen=True, kw_only=True):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.contact_stiffness and self.criterion != "paper":
-            raise BadInput(
-                "contact stiffness is of the published method, elsewhere the floor is rigid: leave it out, or ask for criterion paper"
-            )
         direction = self.build_direction
         if direction is None:
             return
@@ -253,6 +249,11 @@ class StrengthTest(Chapter, frozen=True, kw_only=True):
                 f"the strength of {self.material.label} across its layers is not known: leave the build direction out, or give the"
                 " material in a file with a layer_ratio, strength across over strength along the layers, such as 0.5"
             )
+
+    @property
+    def floor(self) -> float:
+        """Stiffness of the floor at each node [N/mm], 0 for a rigid one: every criterion but `paper` has a rigid floor."""
+        return self.contact_stiffness if self.criterion == "paper" else 0.0
 
     @property
     def across_layers(self) -> tuple[float, float, float]:

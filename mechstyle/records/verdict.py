@@ -228,7 +228,7 @@ def judge(simulation: Simulation, original: Simulation | None, recipe: Recipe) -
     empty = Verdict(
         outcome="UNKNOWN", criterion=test.criterion, fall=test.height, tolerance=test.tolerance, strength=test.material.yield_strength,
         material=test.material.label, style="" if original is None else recipe.style.prompt if named else "styled",
-        contact_stiffness=test.contact_stiffness, failure=_failure(simulation, original, recipe), measure=MEASURE,
+        contact_stiffness=test.floor, failure=_failure(simulation, original, recipe), measure=MEASURE,
     )  # fmt: skip
     if empty.failure:
         return empty

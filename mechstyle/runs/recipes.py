@@ -69,6 +69,7 @@ def draft(prompt: str = "", material: str | Material = "PLA", *, freestyle: bool
     given = _given({"material": material, **settings})
     paper = given.get("criterion") == "paper"
     presets = {**(PAPER if paper else {}), **(FREESTYLE if freestyle else {})}
+    _check_floor(given, "paper" if paper else "robust")
     chosen = with_drops({**presets, **given})
     if chosen.get("control", "none") != "none":
         chosen.setdefault("schedule", MASKED)
@@ -89,6 +90,7 @@ def changed(recipe: Recipe, changes: dict[str, Any]) -> Recipe:
         presets = {**(PAPER if paper else ROBUST), **(FREESTYLE if control == "none" else {})}
         own = {} if recipe.schedule.when == (ROBUST if paper else PAPER)["schedule"] else {"schedule": recipe.schedule.when}
         given = {**presets, **own, **given}
+    _check_floor(given, "paper" if paper else "robust")
     if given.get("control", "none") != "none" and recipe.schedule.when == "never":
         given.setdefault("schedule", MASKED)
     if other_criterion or "control" in given:
@@ -157,6 +159,14 @@ def typed(text: str) -> tuple[str, Any]:
     if name == "material":
         return name, value  # a library name or a file
     raise BadInput(f"--set {text}: {name.replace('_', ' ')} cannot be {value!r}; give one it can have, such as those a report lists")
+
+
+def _check_floor(given: Mapping[str, Any], criterion: str) -> None:
+    """Refuse a floor that pushes softly where the floor is rigid."""
+    if given.get("contact_stiffness") and criterion != "paper":
+        raise BadInput(
+            "contact stiffness is of the published method, elsewhere the floor is rigid: leave it out, or ask for criterion paper"
+        )
 
 
 def _given(settings: dict[str, Any]) -> dict[str, Any]:

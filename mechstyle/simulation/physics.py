@@ -28,7 +28,7 @@ def prescribed(recipe: Recipe) -> DropTest:
     test = recipe.test
     return DropTest(
         height=test.height, friction=test.friction, window=test.window, damping=test.damping, element=test.element,
-        across=test.across_layers, plastic=test.criterion != "paper", contact_stiffness=test.contact_stiffness,
+        across=test.across_layers, plastic=test.criterion != "paper", contact_stiffness=test.floor,
     )  # fmt: skip
 
 

@@ -111,6 +111,32 @@ def test_contact_and_friction_only_ever_take_energy(block, pla):
         assert history.damping_loss[-1] > 0.0
 
 
+@pytest.mark.parametrize("stiffness", [30.0, 1000.0, 30000.0])
+@each_element
+def test_a_penalty_floor_gives_back_what_it_took_and_no_more(block, pla, element, stiffness):
+    """The unsafe side of a step that is too long for the floor: it would add energy, or seem to take some that was never there."""
+    test = DropTest(window=1.5, damping=0.0, element=element, plastic=False, contact_stiffness=stiffness)
+    result = drop(block, pla, [*directions(3), [0.5, 0.2, 1.0]], test, device="cpu")
+    assert result.failure == ""
+    for history in result.history:
+        held = history.contact_loss / history.kinetic[0]
+        assert held.max() > 0.05, "it must have been pressed"
+        assert held.min() > -0.01
+        free = history.contact_force[-5:].max() == 0.0
+        assert abs(held[-1]) < 0.02 or not free
+        assert np.abs(history.damping_loss).max() < 1e-3 * history.kinetic[0]
+        assert (history.kinetic + history.strain).max() < 1.01 * history.kinetic[0]
+
+
+def test_the_stiffer_a_penalty_floor_the_nearer_it_comes_to_the_rigid_one(block, pla):
+    def peak(stiffness):
+        return drop(block, pla, UPRIGHT, DropTest(window=0.3, plastic=False, contact_stiffness=stiffness), device="cpu").von_mises.max()
+
+    soft, hard, harder, rigid = map(peak, (30.0, 3000.0, 1e5, 0.0))
+    assert soft < hard < harder
+    assert harder == pytest.approx(rigid, rel=0.1)
+
+
 def test_friction_takes_energy_from_a_tilted_body(block, pla):
     tilted = directions(3)[1:2]
     smooth, rough = (drop(block, pla, tilted, DropTest(window=0.3, friction=mu), device="cpu").history[0] for mu in (0.0, 0.5))

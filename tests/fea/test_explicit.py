@@ -64,6 +64,15 @@ def test_energy_that_damping_took_does_not_hide_energy_gained():
     np.testing.assert_array_equal(bad, [False] * 5 + [True] * 3 + [False] * 2)
 
 
+def test_a_floor_that_gives_more_than_it_took_is_failing():
+    """Of a penalty floor: its work is known exactly, so that what it gives would balance what the body gains."""
+    pushed = falling()
+    kinetic, lost = (pushed[:, QUANTITIES.index(name), 0] for name in ("kinetic", "contact_loss"))
+    kinetic[5:] += 0.02 * ENERGY
+    lost[5:] -= 0.02 * ENERGY
+    np.testing.assert_array_equal(failing(pushed, SCHEME)[:, 0], [False] * 5 + [True] * 5)
+
+
 def test_opposite_infinities_are_a_failure_not_a_warning():
     broken = falling()
     broken[1, QUANTITIES.index("strain")], broken[1, QUANTITIES.index("kinetic")] = -np.inf, np.inf

@@ -88,7 +88,9 @@ def test_where_there_is_no_answer_the_head_says_why():
 def test_by_the_published_rule_the_head_is_about_the_largest_stress(maximum, said, side):
     judged = verdict(published_row(maximum), criterion="paper")
     stresses = f"the largest element stress is {maximum:.1f} MPa, {side} the 45.6 MPa at which PLA yields"
-    assert head(judged) == f"{said} by the published rule: {stresses}."
+    assert head(judged) == f"{said} by the published rule: {stresses}, on a rigid floor."
+    soft = msgspec.structs.replace(judged, contact_stiffness=300.0)
+    assert head(soft) == f"{said} by the published rule: {stresses}, on a penalty floor of 300 N/mm a node."
     assert short(judged) == f"{said} by the published rule"
 
 

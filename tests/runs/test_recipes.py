@@ -9,7 +9,7 @@ from mechstyle.records import CONTROLS, POSES, Recipe
 from mechstyle.records.load_cases import Load, LoadCase, Support
 from mechstyle.records.material import LIBRARY, Material
 from mechstyle.records.regions import HalfSpace, Inside
-from mechstyle.runs.recipes import brought, changed, check_settings, draft, expected, idle, plan, typed
+from mechstyle.runs.recipes import PAPER, brought, changed, check_settings, draft, expected, idle, plan, typed
 
 WITHOUT_OUR_ADDITIONS = {"base": "free", "guarantee": False}
 
@@ -50,7 +50,7 @@ def test_freestyle_is_stylization_without_feedback(part):
 
 def test_the_paper_criterion_brings_the_published_method(part):
     theirs = {"normalisation": "sigma_c", "transfer": "nearest", "element": "tet4", "minimum_wall": 0.0}
-    theirs |= {"nearly_flat": False, "schedule": "stress"}
+    theirs |= {"nearly_flat": False, "schedule": "stress", "contact_stiffness": PAPER["contact_stiffness"]}
     expected = defaults(part, criterion="paper", **theirs, **WITHOUT_OUR_ADDITIONS)
     assert plan(part, "brick", criterion="paper") == expected
 
@@ -205,6 +205,9 @@ def both_ways(part, settings):
         ({"tolerance": 0}, "a tolerance of 0 is none"),
         ({"tolerance": "200"}, "tolerance is 200, but must lie between 0.01 and 100"),
         ({"tilts": 3}, "unknown setting 'tilts': "),
+        ({"contact_stiffness": 300}, "contact stiffness is of the published method, elsewhere the floor is rigid"),
+        ({"criterion": "paper", "contact_stiffness": -1}, "contact stiffness is -1, but must lie between 0 and 100000"),
+        ({"criterion": "paper", "contact_stiffness": "soft"}, "contact stiffness is 'soft', but must be a number"),
     ],
     ids=str,
 )

@@ -43,6 +43,15 @@ def test_whatever_changes_the_test_that_is_prescribed_is_in_its_name():
     assert not prescribed(recipe(criterion="paper")).plastic
 
 
+def test_the_floor_is_soft_by_the_published_rule_alone_and_in_the_name():
+    """The unsafe side: on a floor that gives way a part bears less, so no other criterion may ever have one."""
+    soft = {"contact_stiffness": 300.0}
+    assert prescribed(recipe(criterion="paper", **soft)).contact_stiffness == 300.0
+    assert prescribed(recipe(**soft)).contact_stiffness == prescribed(recipe(criterion="paper")).contact_stiffness == 0.0
+    assert physics(recipe(criterion="paper", **soft)) != physics(recipe(criterion="paper"))
+    assert physics(recipe(**soft)) == physics(recipe())
+
+
 def test_another_relief_has_another_name_and_the_same_has_the_same():
     inputs, relief = physics(recipe()), np.linspace(0.0, 1.0, 3, dtype=np.float32)
     assert memo_key(inputs, relief) == memo_key(inputs, relief.astype(np.float64))

@@ -39,10 +39,10 @@ def with_slivers(tets, seed):
     return moved
 
 
-def weighted(body, material, weights):
-    """Eigenvalues of M⁻¹ Σ w_e K_e by a dense solver, from the reference's stiffness of one tetrahedron after the other."""
+def weighted(body, material, weights, floor=0.0):
+    """Eigenvalues of M⁻¹ (Σ w_e K_e + floor) by a dense solver, from the reference's stiffness of one tetrahedron after the other."""
     masses = np.repeat(body.masses[body.place], 3)
-    total = np.zeros((len(masses), len(masses)))
+    total = floor * np.eye(len(masses))
     mesh = body.mesh
     for place, number in enumerate(body.tet_order):
         single = replace(mesh, tets=TetMesh(mesh.tets.vertices, mesh.tets.tets[[number]]), connectivity=mesh.connectivity[[number]])

@@ -66,8 +66,10 @@ def reference_drop(discretisation, scheme, normal, heights):
             peak = np.maximum(peak, reference_stress(*now, across=scheme.across))
         before = v
         free = v + scheme.time_step * (reference_forces(*now) / masses - scheme.gravity * normal)
-        gap = heights + (u + scheme.time_step * free) @ normal
-        push = np.maximum(-gap / scheme.time_step, 0.0)[:, None]
+        if scheme.contact_stiffness:
+            push = np.maximum(-(heights + u @ normal), 0.0)[:, None] * scheme.contact_stiffness * scheme.time_step / masses
+        else:
+            push = np.maximum(-(heights + (u + scheme.time_step * free) @ normal) / scheme.time_step, 0.0)[:, None]
         v = free + push * normal
         tangential = v - (v @ normal)[:, None] * normal
         v = v - tangential * np.minimum(1.0, scheme.friction * push / np.maximum(np.linalg.norm(tangential, axis=1, keepdims=True), 1e-12))
@@ -111,9 +113,9 @@ def test_a_large_rotation_alone_gives_next_to_no_force(body_type, name, discreti
 
 @each_law
 @each_body
-@pytest.mark.parametrize("across", [(0.0, 0.0, 0.0), (0.6, -1.0, 1.5)], ids=["solid", "layers"])
-def test_a_drop_agrees_step_by_step_with_the_reference(body_type, name, across, discretisation, pla):
-    scheme, starts = scheme_of(discretisation, pla, name, across=across), starts_of(discretisation)
+@pytest.mark.parametrize("changes", [{}, {"across": (0.6, -1.0, 1.5)}, {"contact_stiffness": 3000.0}], ids=["solid", "layers", "penalty"])
+def test_a_drop_agrees_step_by_step_with_the_reference(body_type, name, changes, discretisation, pla):
+    scheme, starts = scheme_of(discretisation, pla, name, **changes), starts_of(discretisation)
     batches = body_type(discretisation).batches(scheme, starts)
     for batch in batches:
         batch.advance(scheme.samples)
@@ -132,8 +134,9 @@ def test_a_drop_agrees_step_by_step_with_the_reference(body_type, name, across, 
         assert not touched[index].all()
 
 
-def test_vectorised_and_gathering_kernels_agree_over_a_whole_bounce(discretisation, pla):
-    scheme, starts = scheme_of(discretisation, pla, samples=100), starts_of(discretisation)
+@pytest.mark.parametrize("stiffness", [0.0, 300.0], ids=["rigid", "penalty"])
+def test_vectorised_and_gathering_kernels_agree_over_a_whole_bounce(stiffness, discretisation, pla):
+    scheme, starts = scheme_of(discretisation, pla, samples=100, contact_stiffness=stiffness), starts_of(discretisation)
     results = []
     for body in (CoreBody(discretisation), on_device(discretisation)):
         batches = body.batches(scheme, starts)

@@ -39,6 +39,18 @@ def test_cuda_and_cpu_agree(tube_foot, pla, element, law, friction):
     assert (cuda.contact != cpu.contact).mean() < 1e-3
 
 
+@pytest.mark.parametrize("friction", [0.0, 0.3])
+@pytest.mark.parametrize("stiffness", [30.0, 300.0, 3000.0])
+def test_cuda_and_cpu_agree_on_a_penalty_floor(tube_foot, pla, stiffness, friction):
+    test = DropTest(friction=friction, window=0.3, element="tet4", plastic=False, contact_stiffness=stiffness)
+    cpu, cuda = (drop(tube_foot, pla, directions(8), test, device=device) for device in ("cpu", "cuda"))
+    assert cpu.failure == cuda.failure == ""
+    difference = np.linalg.norm(cuda.von_mises - cpu.von_mises, axis=(1, 2)) / np.linalg.norm(cpu.von_mises, axis=(1, 2))
+    assert difference.max() < 2e-3
+    for ours, theirs in zip(cuda.history, cpu.history, strict=True):
+        assert np.abs(ours.contact_loss - theirs.contact_loss).max() < 1e-3 * theirs.kinetic[0]
+
+
 def test_cuda_gives_the_same_bytes_twice_and_whatever_runs_beside(tube_foot, pla):
     test = DropTest(window=0.1)
     first, second = (drop(tube_foot, pla, directions(8), test, device="cuda") for _ in range(2))
