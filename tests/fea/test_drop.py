@@ -120,7 +120,7 @@ def test_a_penalty_floor_gives_back_what_it_took_and_no_more(block, pla, element
     assert result.failure == ""
     for history in result.history:
         held = history.contact_loss / history.kinetic[0]
-        assert held.max() > 0.05, "it must have been pressed"
+        assert held.max() > 0.01, "it must have been pressed"
         assert held.min() > -0.01
         free = history.contact_force[-5:].max() == 0.0
         assert abs(held[-1]) < 0.02 or not free
@@ -130,9 +130,10 @@ def test_a_penalty_floor_gives_back_what_it_took_and_no_more(block, pla, element
 
 def test_the_stiffer_a_penalty_floor_the_nearer_it_comes_to_the_rigid_one(block, pla):
     def peak(stiffness):
-        return drop(block, pla, UPRIGHT, DropTest(window=0.3, plastic=False, contact_stiffness=stiffness), device="cpu").von_mises.max()
+        test = DropTest(window=0.3, plastic=False, element="tet4", contact_stiffness=stiffness)
+        return drop(block, pla, directions(3)[2:], test, device="cpu").von_mises.max()
 
-    soft, hard, harder, rigid = map(peak, (30.0, 3000.0, 1e5, 0.0))
+    soft, hard, harder, rigid = map(peak, (300.0, 3000.0, 1e5, 0.0))
     assert soft < hard < harder
     assert harder == pytest.approx(rigid, rel=0.1)
 

@@ -43,10 +43,10 @@ def test_the_assembled_body_allows_the_damped_step_on_slivers(seed, element, box
 
 
 @each_element
-@pytest.mark.parametrize("floor", [1e4, 1e5])
-def test_the_step_is_stable_with_every_node_on_a_penalty_floor(floor, element, box, pla):
+def test_the_step_is_stable_with_every_node_on_a_penalty_floor(element, box, pla):
     """Δt² (K + k) + 2 Δt C ≤ 4 M, by the reference; a step that knows nothing of the floor is too long."""
     body = discretise(with_slivers(box((2, 2, 2), (6.0, 6.0, 6.0)), 0), pla, 0.01, element)
+    floor = 1e5
     step, damping = damped_step(body, 0.1, floor)
     assert weighted(body, pla, step**2 + 2.0 * step * damping, step**2 * floor)[-1] <= 4.0
     ignorant = damped_step(body, 0.1)[0]

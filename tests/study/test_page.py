@@ -183,7 +183,7 @@ def test_a_table_of_an_older_measure_is_refused_in_one_sentence(tmp_path):
     (tmp_path / "old.json").write_text(json.dumps([old]))
     (tmp_path / "rows").mkdir()
     (tmp_path / "rows" / "old.json").write_text(json.dumps(old))
-    with pytest.raises(BadInput, match=r"or of an older measure .*flat_height.*: run `mechstyle study` again"):
+    with pytest.raises(BadInput, match=r"or of an older measure .*flat_height.*: run the study again"):
         read_table(tmp_path / "old.json")
     with pytest.raises(BadInput, match="holds no rows of a study in mm"):
         read_table(tmp_path)
