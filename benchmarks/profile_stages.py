@@ -26,7 +26,6 @@ from typing import Any
 from mechstyle import gallery
 from mechstyle.cli.run import finish
 from mechstyle.fea.drop import resolve_device
-from mechstyle.loop.correction import Correction
 from mechstyle.loop.engine import Engine, Event, Simulated
 from mechstyle.records.mesh import STANDARD_VERTICES
 from mechstyle.runs import run as runs
@@ -114,11 +113,12 @@ def watched(profile: Profile) -> None:
     profile.watch(ProceduralStylizer, "step", "style: iterations")
     profile.watch(Engine, "_moved", "style: iterations")
     profile.watch(Engine, "_save", "checkpoints")
+    profile.watch(Engine, "_target", "style: what nothing restrains")
+    profile.watch(runs, "picture", "pictures")
     profile.watch(runs, "untangled", "style: untangling")
     profile.watch(simulator, "drop", "drops", dropped)
     profile.watch(simulator, "period_of", "lowest period")
     profile.watch(simulator.DropSimulator, "_brought", "reading of stress")
-    profile.watch(Correction, "tested", "corrections")
     profile.watch(runs.Run, "exported", "delivery")
     profile.watch(runs.Run, "show", "pictures")
 

@@ -20,6 +20,7 @@ import msgspec
 from mechstyle import gallery
 from mechstyle.errors import MechStyleError
 from mechstyle.geometry.remeshing import filling
+from mechstyle.geometry.remeshing.tolerances import TOL
 from mechstyle.records.mesh import STANDARD_VERTICES
 from mechstyle.runs.run import stylize
 from mechstyle.simulation import part
@@ -47,7 +48,7 @@ class Found(msgspec.Struct):
 def found(name: str, size: int, prompt: str, vertices: int) -> Found:
     """One part with one number of tetrahedra, from an empty cache: as many triangles are kept as these make, whatever the relief needs."""
     part.TETS, filling.KEPT = size, (round(0.75 * size),)
-    filling.TOL = replace(filling.TOL, finest_input=size)
+    vars(filling)["TOL"] = replace(TOL, finest_input=size)
     began = sum(os.times()[:4])
     with tempfile.TemporaryDirectory() as folder:
         os.environ["MECHSTYLE_CACHE"] = str(Path(folder, "cache"))

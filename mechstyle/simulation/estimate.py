@@ -24,14 +24,14 @@ SECONDS_PER_STEP = {"tet10": 50e-9, "tet4": 12e-9}
 tet4 is a guess."""
 STEP, STEPS = 1.1e-4, 12_500
 """Time step [ms], and steps until an impact has ended: 680 to 10 000 flat and 3700 to 23 600 nearly flat were counted of eight parts."""
-FINEST = 25_000
-"""Vertices of a surface from which on meshing takes the same time: its faces are cut smaller."""
+TETRAHEDRA = 1.25 * TETS
+"""Of a part, in the mean of the plain one and one whose relief takes more: 8 000 and 12 000 to 16 000 were counted."""
 NEARLY_FLAT = 8
 """Landings on the corners and sides of what a part stands on: eight of a box, six of a round base."""
-MESHING = 0.8e-3
-"""Time of one core to mesh a part, for each vertex of its surface [s]."""
-STYLING = 4e-6
-"""Time of an iteration without a fall, for each vertex [s]."""
+MESHING = 45.0
+"""Time of one core to fill a styled part, while another fills the plain one [s]: 35 to 50 s of two parts."""
+PREPARING, STYLING = 2.5e-4, 6e-7
+"""Time of one core for each vertex to even a surface, measure it and draw a style, and for an iteration without a fall [s]."""
 
 APPROACH = 40.0
 """Iterations in which the style comes nearer to its target by a factor of e."""
@@ -91,9 +91,9 @@ def estimated(recipe: Recipe, vertices: int, *, fall: float | None = None, cores
     on_the_way = 0 if plan is None else len(plan.places) - 1
     thorough = 2 + recipe.restraint.guarantee
     if fall is None:
-        fall = seconds_of_a_fall(TETS, element=test.element, window=test.window)
+        fall = seconds_of_a_fall(TETRAHEDRA, element=test.element, window=test.window)
     rounds = thorough * math.ceil(every / cores) + on_the_way * math.ceil(steering / cores)
-    seconds = rounds * fall + 2 * MESHING * min(vertices, FINEST) + schedule.iterations * STYLING * vertices
+    seconds = rounds * fall + MESHING + (PREPARING + schedule.iterations * STYLING) * vertices
     return Estimate(test.height, thorough * every + on_the_way * steering, seconds)
 
 

@@ -28,7 +28,8 @@ from mechstyle.records.simulation import VOLUME_ERROR
 
 VERSION = "18"  # of what is cached: raise it when the result for the same input may change
 FEWEST, MOST = 500, 400_000
-KEPT = (24_000, 12_000, 6_000)  # faces of an input that keeps its triangles: the fewest that follow the surface as closely as is asked
+KEPT: tuple[int, ...] = (24_000, 12_000, 6_000, 3_000)
+"""Faces of an input that keeps its triangles: the fewest of these that follow the surface as closely as is asked."""
 
 
 def fill(
@@ -123,7 +124,9 @@ def _meshed(surface: SurfaceMesh, target: int, timeout: float, go_on: CancelChec
             break
         aim /= ratio
     if not sound:
-        raise SimulationFailed(f"the part could not be filled with tetrahedra: {fault}; thin or self-touching walls are the usual cause")
+        wall = 2.0 * surface.volume / float(surface.face_areas.sum())
+        why = f"{fault}; its walls are {wall:.1f} mm thick on average, and a thinner one or two that touch are the usual cause"
+        raise SimulationFailed(f"the part could not be filled with tetrahedra: {why}; make them thicker there, or scale the part up")
     return min(sound, key=lambda tets: abs(math.log(len(tets.tets) / target)))
 
 
@@ -276,9 +279,10 @@ def _fault(surface: SurfaceMesh, tets: TetMesh, deviation: float) -> str:
     volume = float(tets.volumes.sum()) / surface.volume
     if abs(volume - 1.0) > VOLUME_ERROR:
         return f"the tetrahedra hold {volume:.1%} of its volume"
-    lost = TriangleTree(tets.vertices, tets.boundary_faces).nearest(surface.vertices).distance.max()
-    if lost > deviation:
-        return f"the tetrahedra miss a detail by {lost:.2f} mm"
+    lost = TriangleTree(tets.vertices, tets.boundary_faces).nearest(surface.vertices).distance
+    if lost.max() > deviation:
+        x, y, z = surface.vertices[int(lost.argmax())]
+        return f"the tetrahedra miss {lost.max():.2f} mm of it around ({x:.1f}, {y:.1f}, {z:.1f}) mm"
     return ""
 
 

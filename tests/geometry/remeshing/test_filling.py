@@ -214,7 +214,7 @@ def test_each_check_finds_its_fault(cup, cup_tets):
     assert fault(cup, cup_tets) == ""
     assert "inside out" in fault(cup, TetMesh(cup_tets.vertices, np.vstack([cup_tets.tets[:-1], cup_tets.tets[-1:, [0, 2, 1, 3]]])))
     assert "of its volume" in fault(cup, cup_tets.moved(1.02 * cup_tets.vertices))
-    assert "miss a detail by" in fault(cup, cup_tets, deviation=1e-4)
+    assert "mm of it around (" in fault(cup, cup_tets, deviation=1e-4)
 
 
 def hinged(tets: TetMesh, count: int) -> TetMesh:
