@@ -16,6 +16,7 @@ from mechstyle.cli.options import TYPED, Device, Json, Settings, Vertices, recip
 from mechstyle.cli.run import carry_out
 from mechstyle.errors import BadInput
 from mechstyle.records import sentences
+from mechstyle.records.mesh import STANDARD_VERTICES
 from mechstyle.records.recipe import described
 from mechstyle.records.written import length_of
 
@@ -24,9 +25,6 @@ if TYPE_CHECKING:
     from mechstyle.simulation.part import Model as Opened
 
 app = typer.Typer()
-
-DEMO_VERTICES = 3_000
-"""So few that a part of one's own takes minutes on a laptop: with 25 000 it takes ten times as long."""
 
 
 @app.command("demo")
@@ -39,13 +37,13 @@ def demo_command(
     model: Annotated[str, typer.Option(help="What to style, a file or gallery:NAME.", show_default="the lessons' pawn")] = "",
     prompt: Annotated[str, typer.Option(*TYPED["prompt"].flags, help=described("prompt"))] = "brick",
     device: Device = "auto",
-    vertices: Vertices = DEMO_VERTICES,
+    vertices: Vertices = STANDARD_VERTICES,
     as_json: Json = False,
 ) -> None:
     """Style the chess pawn of the lessons as brick, freely and with feedback, and compare the verdicts."""
     from mechstyle import teaching  # noqa: PLC0415 — physics is loaded when something is run
 
-    if not model and vertices != DEMO_VERTICES:
+    if not model and vertices != STANDARD_VERTICES:
         raise BadInput("--vertices is for a part of your own, because the pawn is meshed already: name one with --model, or leave it out")
     asked, part = {**({} if model else teaching.STYLE), "prompt": prompt, **settings}, model or teaching.pawn()
     tell(both_ways(part, asked, vertices, device, folder, as_json=as_json), folder, as_json=as_json)

@@ -24,8 +24,8 @@ from mechstyle.records.recipe import Transfer as TransferName
 from mechstyle.records.simulation import LEAST_GROUNDED, THICKER, VOLUME_ERROR
 from mechstyle.simulation.part import Shape, at_rest, carrying
 
-THICKER_AREA = 8.0
-"""Of the surface [mm²], on which a wall may be thicker: a square millimetre on each side of a groove's ends is no section."""
+THICKER_AREA = 4.0
+"""Of the surface [mm²], on which a wall may be thicker: less than a groove of 0.4 mm around a stem of 3 mm."""
 
 
 class Followed(NamedTuple):

@@ -86,7 +86,7 @@ class Tolerances:
     widest_envelope: float = 6e-4  # … or by this share of the diagonal, and improvement that
     lost_detail: float = 0.3  # together they may lose no detail larger than this, the input half of it
     needless: float = 0.1  # of such a detail, or of how far they may, by which the surface may move where vertices go before any are chosen
-    standing_out: float = 8.0  # [mm²] of the surface, above which kept triangles may not stand out further than they may
+    standing_out: float = 4.0  # [mm²] of the surface, above which kept triangles may not stand out further than they may
     finest_input: int = 8_000  # faces, about: as many as make about as many tetrahedra as are asked for of a part
     low_input: float = 0.2  # of an even triangle's edge: lower ones make slivers, which cost steps, and carry no relief
     exaggeration: tuple[float, ...] = (1.0, 0.3, 0.0)  # shares of the exaggeration wished for, at which triangles are chosen to be kept

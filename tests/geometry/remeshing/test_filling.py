@@ -10,13 +10,14 @@ import subprocess
 import numpy as np
 import pytest
 import trimesh
+from manifold3d import Manifold
 
 from mechstyle.errors import BadInput, SimulationFailed
 from mechstyle.geometry.cancelling import never_cancel
 from mechstyle.geometry.proximity import TriangleTree
 from mechstyle.geometry.remeshing import filling as module
 from mechstyle.geometry.remeshing import tetwild as worker
-from mechstyle.geometry.remeshing.evening import even
+from mechstyle.geometry.remeshing.evening import even, surface_of
 from mechstyle.geometry.remeshing.filling import fill
 from mechstyle.geometry.remeshing.tolerances import TOL
 from mechstyle.records.mesh import SurfaceMesh, TetMesh
@@ -198,7 +199,7 @@ def test_a_fault_sharpens_the_tolerances(cup, monkeypatch):
 
 
 def test_faults_to_the_end_are_a_failure_that_names_the_last(cup, monkeypatch):
-    with pytest.raises(SimulationFailed, match="a detail is missing; thin or self-touching walls"):
+    with pytest.raises(SimulationFailed, match=r"a detail is missing; its walls are 2\.9 mm thick"):
         counts_of(monkeypatch, cup, (1000, "x"), (1000, "y"), (1000, "a detail is missing"))
 
 
@@ -319,6 +320,23 @@ def test_as_many_triangles_are_kept_as_it_takes_to_stand_out_no_further(block, m
     out = np.einsum("vi,vi->v", off, grooved.vertex_normals)
     assert grooved.vertex_areas[out > proud].sum() <= TOL.standing_out
     assert (len(fewer.faces) <= counts[-1]) == (proud == 1.0)
+
+
+@pytest.mark.parametrize("width", [0.4, 0.8, 1.4, 2.0])
+def test_a_groove_around_a_stem_is_kept_if_it_is_deep_enough_to_matter(monkeypatch, width):
+    """The unsafe side: filled in, the thinnest section would be that of a stem without a groove."""
+    stem = surface_of(Manifold.cube((4.0, 4.0, 12.0), center=True).refine_to_length(0.2))
+    within = (np.abs(stem.vertices[:, 2]) < 0.5 * width + 1e-9) & (np.abs(stem.vertex_normals[:, 2]) < 0.1)
+    monkeypatch.setattr(module, "KEPT", (len(stem.faces) // 2, 400, 12))
+    for depth, matters in ((1.0, True), (0.04, False)):
+        grooved = stem.displaced(np.where(within, -0.5 * depth, 0.0).astype(np.float32))
+        proud = np.full(len(stem.vertices), 0.05 * (4.0 - 2.0 * depth))
+        styled = stem.displaced(np.where(within, -depth, 0.0).astype(np.float32))
+        fewer = module._kept(grooved, module.Kept(styled, proud), 0.0, 2.0, never_cancel)
+        off = TriangleTree(fewer.vertices, fewer.faces).nearest(grooved.vertices[within]).point - grooved.vertices[within]
+        out = np.einsum("vi,vi->v", off, grooved.vertex_normals[within])
+        assert np.mean(out) < proud[0]
+        assert (len(fewer.faces) > 12) == matters
 
 
 def test_even_triangles_are_no_finer_than_those_that_come_even():
