@@ -107,8 +107,8 @@ def watched(profile: Profile) -> None:
 
     profile.watch(part, "standardise", "evening", lambda surface, *_, **__: {"vertices": len(surface.vertices)})
     profile.watch(part, "local_thickness", "walls")
-    profile.watch(part, "carrying", "meshing of the styled part and, meanwhile, the plain one", lambda found, *_, **__: filled(found[0]))
-    profile.watch(meshes, "carrying", "meshing again", lambda found, *_, **__: filled(found[0]))
+    profile.watch(part, "mesh_for_relief", "meshing of the styled and, meanwhile, the plain part", lambda found, *_, **__: filled(found[0]))
+    profile.watch(meshes, "mesh_for_relief", "meshing again", lambda found, *_, **__: filled(found[0]))
     profile.watch(stylizers, "drawing_of", "style: drawing")
     profile.watch(ProceduralStylizer, "step", "style: iterations")
     profile.watch(Engine, "_moved", "style: iterations")

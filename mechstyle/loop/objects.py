@@ -33,7 +33,7 @@ M = TypeVar("M", SurfaceMesh, TetMesh)
 MOST_BYTES = 256_000_000
 """Of an object once it is unpacked, and of a record in a file of its own: a small file can unpack to a thousand times its size."""
 
-MESHES = AT_REST, MESH_FOR, MESH, LAST_MESH, CARRIER = "rest-", "mesh-for-", "mesh-", "mesh-of-", "mesh-carrying-"
+MESHES = UNDEFORMED, MESH_FOR, MESH, LAST_MESH, TESTED_ON = "rest-", "mesh-for-", "mesh-", "mesh-of-", "mesh-carrying-"
 """What a memo calls tetrahedra, which cannot be made the same again, before a digest: of an unstylized surface by its own, made for a
 relief by that, by their own, last made for a recipe by that, and those a relief is tested on by the question."""
 

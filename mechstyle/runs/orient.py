@@ -96,7 +96,7 @@ def ways_up(
         if axis not in dropped:
             stage(f"drop with layers along ({axis[0]:g}, {axis[1]:g}, {axis[2]:g})")
             simulator = run.simulator(recipe, progress)
-            body, _ = simulator.meshes.carrier(state.displacement)
+            body, _ = simulator.meshes.mesh_for(state.displacement)
             layered = recipe.with_settings(build_direction=axis).on(tetrahedra=body.tets.digest)
             simulator = replace(simulator, part=replace(simulator.part, tets=body.tets, at=body.at), recipe=layered)
             dropped[axis] = _worst(simulator.simulate(state.displacement, thorough=True), layered)

@@ -13,7 +13,7 @@ import msgspec
 from mechstyle._files import write_whole
 from mechstyle.errors import BadInput
 from mechstyle.loop.engine import Checkpointed, Event
-from mechstyle.loop.objects import AT_REST, MESH_FOR
+from mechstyle.loop.objects import MESH_FOR, UNDEFORMED
 from mechstyle.loop.store import Entry, Lane, Store
 from mechstyle.records import Verdict, sentences
 from mechstyle.runs import images
@@ -122,9 +122,9 @@ def _begun(run: Run, out: Path) -> Run:
     store, record, file = Store(out), run.record, run.store.root / "part.json"
     part = record.droppable(record.part(run.store.objects, file), file)
     write_whole(out / "part.json", msgspec.json.encode(type(record).kept(part, record.name, record.origin, store.objects)))
-    for name in (*run.store.memo.named(AT_REST), *run.store.memo.named(MESH_FOR)):
+    for name in (*run.store.memo.named(UNDEFORMED), *run.store.memo.named(MESH_FOR)):
         memo = run.store.memo
-        kept = memo.recall(name, str) if name.startswith(AT_REST) else memo.recall(name, KeptMesh)
+        kept = memo.recall(name, str) if name.startswith(UNDEFORMED) else memo.recall(name, KeptMesh)
         if kept is not None:
             for digest in (kept,) if isinstance(kept, str) else (kept.tets, kept.at):
                 _copy(run.store, store, digest)

@@ -18,11 +18,11 @@ from mechstyle.fea.explicit import Progress, no_progress
 from mechstyle.fea.permanent_set import quantile
 from mechstyle.geometry.morph import Morph, Morphed
 from mechstyle.geometry.transfer import SurfaceMean, Transfer
-from mechstyle.loop.objects import AT_REST, CARRIER, LAST_MESH, MESH, MESH_FOR, Memo, Memos
+from mechstyle.loop.objects import LAST_MESH, MESH, MESH_FOR, TESTED_ON, UNDEFORMED, Memo, Memos
 from mechstyle.records.mesh import Floats, TetMesh, digest_of
 from mechstyle.records.recipe import Transfer as TransferName
 from mechstyle.records.simulation import LEAST_GROUNDED, THICKER, VOLUME_ERROR
-from mechstyle.simulation.part import Shape, at_rest, carrying
+from mechstyle.simulation.part import Shape, mesh_for_relief, undeformed_mesh
 
 THICKER_AREA = 4.0
 """Of the surface [mm²], on which a wall may be thicker: less than a groove of 0.4 mm around a stem of 3 mm."""
@@ -145,7 +145,7 @@ class KeptMesh(msgspec.Struct, frozen=True, kw_only=True):
     at: str
 
 
-class Carrier(msgspec.Struct, frozen=True, kw_only=True):
+class MeshFor(msgspec.Struct, frozen=True, kw_only=True):
     """Tetrahedra that a relief was tested on: their digest, and how they came about, in words."""
 
     mesh: str
@@ -179,10 +179,10 @@ class Meshes:
         """
         if not self.first.made_for_relief:
             return self.first, Memos((self.memo,) if self.shared is None else (self.shared, self.memo))
-        name = f"{AT_REST}{self.first.shape.surface.digest}"
+        name = f"{UNDEFORMED}{self.first.shape.surface.digest}"
         own, known = self.memo.recall(name, str), None if self.shared is None else self.shared.recall(name, str)
         home = self.memo if self.shared is None or own not in (None, known) else self.shared
-        kept = own or known or home.objects.put_mesh(at_rest(self.first.shape.surface, partial(self.progress, 0.0)))
+        kept = own or known or home.objects.put_mesh(undeformed_mesh(self.first.shape.surface, partial(self.progress, 0.0)))
         tets = (self.memo if own else home).objects.get_mesh(kept, TetMesh)
         for memo in (self.memo, home):
             memo.remember(name, memo.objects.put_mesh(tets))
@@ -198,7 +198,7 @@ class Meshes:
         tets, at = self.memo.objects.get_mesh(kept.tets, TetMesh), self.memo.objects.get_array(kept.at)
         return replace(self.first, tets=tets, at=at) if tets.digest == mesh else None
 
-    def carrier(self, displacement: NDArray[np.float32]) -> tuple[Body, str]:
+    def mesh_for(self, displacement: NDArray[np.float32]) -> tuple[Body, str]:
         """Tetrahedra that follow a relief [mm], shape [vertex_count], and how these came about, in words; remembered.
 
         They are those of the run, those that were made last for such a relief, or new ones; meshing a third time was never seen to follow
@@ -206,12 +206,12 @@ class Meshes:
         """
         if not np.any(displacement):
             return self.plain[0], MORPHED
-        name = f"{CARRIER}{self.run}-{digest_of(displacement)}"
-        chosen = self.memo.recall(name, Carrier)
+        name = f"{TESTED_ON}{self.run}-{digest_of(displacement)}"
+        chosen = self.memo.recall(name, MeshFor)
         if chosen is not None and (body := self.known(chosen.mesh)) is not None:
             return body, chosen.meshing
         body, meshing = self._that_follows(displacement)
-        self.memo.remember(name, Carrier(mesh=body.tets.digest, meshing=meshing), anew=True)
+        self.memo.remember(name, MeshFor(mesh=body.tets.digest, meshing=meshing), anew=True)
         return body, meshing
 
     def _that_follows(self, displacement: NDArray[np.float32]) -> tuple[Body, str]:
@@ -228,7 +228,7 @@ class Meshes:
             name, objects = f"{MESH_FOR}{digest_of(displacement)}", self.memo.objects
             kept = self.memo.recall(name, KeptMesh)
             if kept is None:
-                made, half = carrying(self.first.shape, displacement, partial(self.progress, 0.0))
+                made, half = mesh_for_relief(self.first.shape, displacement, partial(self.progress, 0.0))
                 kept = KeptMesh(tets=objects.put_mesh(made), at=objects.put_array(half))
                 self.memo.remember(name, kept)
             tets, at = objects.get_mesh(kept.tets, TetMesh), objects.get_array(kept.at)

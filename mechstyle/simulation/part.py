@@ -283,10 +283,10 @@ def prepare(
     if own is not None:
         solid, half = own, None
     elif whole is None or not whole.any():
-        solid, half = at_rest(surface, go_on), None
+        solid, half = undeformed_mesh(surface, go_on), None
     else:
-        with meanwhile(partial(at_rest, surface), go_on):  # the plain part is dropped as well, and takes its own from the cache
-            solid, half = carrying(shape, whole, go_on)
+        with meanwhile(partial(undeformed_mesh, surface), go_on):  # the plain part is dropped as well, and takes its own from the cache
+            solid, half = mesh_for_relief(shape, whole, go_on)
     part = Workpiece(surface, solid, shape.thickness, stands, notes, half)
     vars(part)["shape"] = shape  # what was worked out of it need not be again
     return part
@@ -317,7 +317,7 @@ def refilled(part: Workpiece, relief: Relief, stage: Stage = no_progress, go_on:
     if whole is None or not whole.any():
         return part
     stage("filling it with tetrahedra")
-    tets, at = carrying(part.shape, whole, go_on)
+    tets, at = mesh_for_relief(part.shape, whole, go_on)
     return replace(part, tets=tets, at=at)
 
 
@@ -354,7 +354,7 @@ def _standardised(mesh: SurfaceMesh, vertices: int) -> str:
     return hashlib.sha256(f"standardise {PREPARATION_VERSION} {vertices} {mesh.digest}".encode()).hexdigest()
 
 
-def carrying(shape: Shape, relief: NDArray[np.float32], go_on: CancelCheck = never_cancel) -> tuple[TetMesh, NDArray[np.float32]]:
+def mesh_for_relief(shape: Shape, relief: NDArray[np.float32], go_on: CancelCheck = never_cancel) -> tuple[TetMesh, NDArray[np.float32]]:
     """Tetrahedra that carry a relief [mm], shape [vertex_count], and the half of it they were made for; cached by content.
 
     They are about TETS, or as many more as it takes that no wall is thicker than the relief leaves it by more than THICKER of that.
@@ -369,7 +369,7 @@ def carrying(shape: Shape, relief: NDArray[np.float32], go_on: CancelCheck = nev
     return fill(surface.displaced(half), TETS, keep=styled, proud=proud, cache=cache, go_on=go_on), half
 
 
-def at_rest(surface: SurfaceMesh, go_on: CancelCheck = never_cancel) -> TetMesh:
+def undeformed_mesh(surface: SurfaceMesh, go_on: CancelCheck = never_cancel) -> TetMesh:
     """Even tetrahedra of a surface without relief; cached by content. What `go_on` raises ends it.
 
     Raises:

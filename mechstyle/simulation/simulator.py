@@ -111,7 +111,7 @@ class DropSimulator:
         A thorough test rests on tetrahedra that follow the relief.
         """
         follow = thorough or not np.any(displacement)
-        body, meshing = self.meshes.carrier(displacement) if follow else (self.meshes.first, MORPHED)
+        body, meshing = self.meshes.mesh_for(displacement) if follow else (self.meshes.first, MORPHED)
         return self._tested(body, body.morph.morphed(displacement), self._numbers(displacement, thorough=thorough), meshing)
 
     def judge(self, simulation: Simulation, *, alone: bool = False) -> Verdict:

@@ -19,7 +19,7 @@ def test_walls_too_thin_are_warned_of_before_the_minutes_of_meshing(command, as_
         raise SimulationFailed("meshed too soon, or at all")
 
     monkeypatch.setenv("MECHSTYLE_CACHE", str(tmp_path / "cache"))
-    for name in ("at_rest", "carrying"):
+    for name in ("undeformed_mesh", "mesh_for_relief"):
         monkeypatch.setattr(f"mechstyle.simulation.part.{name}", never)
     style = () if command == "simulate" else ("--prompt", "brick")
     words = [command, "gallery:pen_holder", *style, "--vertices", "1500", "--minimum-wall", "5", "--out", str(tmp_path / "part")]
@@ -38,7 +38,7 @@ def test_walls_too_thin_are_logged_before_the_minutes_of_meshing_where_python_as
         raise SimulationFailed("meshed too soon, or at all")
 
     monkeypatch.setenv("MECHSTYLE_CACHE", str(tmp_path / "cache"))
-    for name in ("at_rest", "carrying"):
+    for name in ("undeformed_mesh", "mesh_for_relief"):
         monkeypatch.setattr(f"mechstyle.simulation.part.{name}", never)
     part = ms.load("gallery:pen_holder")
     with pytest.raises(SimulationFailed, match="meshed too soon"):

@@ -60,7 +60,7 @@ def test_no_moment_has_more_stress_than_the_landing_and_the_peak_is_a_moment_bef
 def test_it_is_dropped_on_the_tetrahedra_of_its_test(block, shared, monkeypatch):
     """The badge told of other tetrahedra than the film beside it showed."""
     other, seen = TetMesh(block[1].vertices, block[1].tets[::-1]), []
-    monkeypatch.setattr(meshes, "carrying", lambda shape, *_: (other, np.zeros(len(shape.surface.vertices), np.float32)))
+    monkeypatch.setattr(meshes, "mesh_for_relief", lambda shape, *_: (other, np.zeros(len(shape.surface.vertices), np.float32)))
     dropped = simulator(block, shared)
     simulation = dropped.simulate(ripples(block), thorough=True)
     real = module.snapshots

@@ -8,13 +8,13 @@ from mechstyle.errors import SimulationFailed
 from mechstyle.records.simulation import THICKER
 from mechstyle.simulation import meshes
 from mechstyle.simulation.meshes import Followed
-from mechstyle.simulation.part import carrying
+from mechstyle.simulation.part import mesh_for_relief
 from support.dropped_block import ripples, simulator
 
 
 def test_the_tets_of_a_relief_are_taken_for_the_next_that_they_carry(block, memo, monkeypatch):
-    asked, real = [], meshes.carrying
-    monkeypatch.setattr(meshes, "carrying", lambda *given: asked.append(1) or real(*given))
+    asked, real = [], meshes.mesh_for_relief
+    monkeypatch.setattr(meshes, "mesh_for_relief", lambda *given: asked.append(1) or real(*given))
     sim = simulator(block, memo, orientations=1)
     first = sim.simulate(ripples(block), thorough=True)
     lower = sim.simulate(0.8 * ripples(block), thorough=True)
@@ -24,13 +24,13 @@ def test_the_tets_of_a_relief_are_taken_for_the_next_that_they_carry(block, memo
 
 def test_asked_again_for_a_relief_the_tets_are_those_it_was_tested_on(block, memo, monkeypatch):
     """What is delivered may be an earlier correction: drawn after another was meshed, it was tested on that one's tetrahedra instead."""
-    first, words = simulator(block, memo).meshes.carrier(ripples(block))
+    first, words = simulator(block, memo).meshes.mesh_for(ripples(block))
     with monkeypatch.context() as patch:
         patch.setattr(Followed, "is_at_least_as_good_as", lambda *_: False)
-        patch.setattr(meshes, "carrying", lambda *_: (first.tets.moved(first.tets.vertices + 1e-6), first.at))
-        other, _ = simulator(block, memo).meshes.carrier(ripples(block, 0.25))
+        patch.setattr(meshes, "mesh_for_relief", lambda *_: (first.tets.moved(first.tets.vertices + 1e-6), first.at))
+        other, _ = simulator(block, memo).meshes.mesh_for(ripples(block, 0.25))
     assert other.tets.digest != first.tets.digest
-    again, as_before = simulator(block, memo).meshes.carrier(ripples(block))
+    again, as_before = simulator(block, memo).meshes.mesh_for(ripples(block))
     assert (again.tets.digest, as_before) == (first.tets.digest, words)
 
 
@@ -38,7 +38,7 @@ def test_a_part_that_cannot_be_meshed_again_is_judged_as_it_is_and_says_so(block
     def refuse(*_args, **_options):
         raise SimulationFailed("fTetWild gave up")
 
-    monkeypatch.setattr(meshes, "carrying", refuse)
+    monkeypatch.setattr(meshes, "mesh_for_relief", refuse)
     result = simulator(block, memo, orientations=1).simulate(ripples(block), thorough=True)
     assert result.meshing.startswith("morphed, following")
     assert "fTetWild gave up" in result.meshing
@@ -47,7 +47,7 @@ def test_a_part_that_cannot_be_meshed_again_is_judged_as_it_is_and_says_so(block
 def test_a_run_on_tets_made_for_its_relief_needs_no_others(block, memo):
     surface = block[0]
     sim = simulator(block, memo)
-    tets, at = carrying(sim.part.shape, ripples(block))
+    tets, at = mesh_for_relief(sim.part.shape, ripples(block))
     sim = simulator((surface, tets), memo, at=at, orientations=1)
     result = sim.simulate(ripples(block), thorough=True)
     assert (result.meshing, result.mesh) == ("morphed", tets.digest)
@@ -56,7 +56,7 @@ def test_a_run_on_tets_made_for_its_relief_needs_no_others(block, memo):
 
 def test_no_relief_asks_for_the_tetrahedra_of_the_plain_part(block, memo):
     sim = simulator(block, memo)
-    body, words = sim.meshes.carrier(0.0 * ripples(block))
+    body, words = sim.meshes.mesh_for(0.0 * ripples(block))
     assert (body.tets.digest, words) == (block[1].digest, meshes.MORPHED)
 
 

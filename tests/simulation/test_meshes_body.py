@@ -12,7 +12,7 @@ from mechstyle.geometry.remeshing.evening import even, surface_of
 from mechstyle.geometry.thickness import local_thickness
 from mechstyle.records.simulation import LEAST_GROUNDED, THICKER, VOLUME_ERROR
 from mechstyle.simulation.meshes import Body, Followed
-from mechstyle.simulation.part import Shape, Workpiece, carrying, refilled
+from mechstyle.simulation.part import Shape, Workpiece, mesh_for_relief, refilled
 
 
 @pytest.fixture(scope="module")
@@ -37,7 +37,7 @@ def relief(slab):
 
 @pytest.fixture(scope="module")
 def filled(slab, relief):
-    return carrying(walled(slab), relief)
+    return mesh_for_relief(walled(slab), relief)
 
 
 def test_they_are_made_for_half_of_it_and_carry_all_of_it(slab, relief, filled):
@@ -128,5 +128,5 @@ def test_a_run_that_is_told_to_stop_does_not_wait_for_the_mesh(slab, monkeypatch
         raise InterruptedError
 
     with pytest.raises(InterruptedError):
-        carrying(walled(slab), np.full(len(slab.vertices), 0.1, np.float32), stop)
+        mesh_for_relief(walled(slab), np.full(len(slab.vertices), 0.1, np.float32), stop)
     assert not list(tmp_path.rglob("*.npz"))

@@ -120,7 +120,7 @@ def test_walls_are_told_before_the_part_is_filled_which_takes_minutes_if_they_ar
 
     told: list[str] = []
     monkeypatch.setenv("MECHSTYLE_CACHE", str(tmp_path))
-    monkeypatch.setattr(module, "at_rest", filled)
+    monkeypatch.setattr(module, "undeformed_mesh", filled)
     with pytest.raises(SimulationFailed, match=r"filled after \['the part itself has a wall of .*, thinner than the 15 mm minimum"):
         prepare(block(), vertices=1200, measured=lambda shape: told.extend(shape.too_thin(15.0)))
 
@@ -137,8 +137,8 @@ def test_the_plain_part_is_filled_meanwhile(tmp_path, monkeypatch):
         return np.ones(len(shape.surface.vertices), np.float32)
 
     monkeypatch.setenv("MECHSTYLE_CACHE", str(tmp_path))
-    monkeypatch.setattr(module, "at_rest", lambda surface, _go_on: filled.append(("plain", surface.digest)))
-    monkeypatch.setattr(module, "carrying", carried)
+    monkeypatch.setattr(module, "undeformed_mesh", lambda surface, _go_on: filled.append(("plain", surface.digest)))
+    monkeypatch.setattr(module, "mesh_for_relief", carried)
     part = prepare(block(), vertices=1200, relief=raised)
     assert sorted(filled) == [("plain", part.surface.digest), ("styled", part.surface.digest)]
 

@@ -87,7 +87,7 @@ def test_a_relief_that_the_tetrahedra_do_not_follow_leaves_a_doubt_beside_the_or
     def refuse(*_, **__):
         raise SimulationFailed("fTetWild gave up")
 
-    monkeypatch.setattr(meshes, "carrying", refuse)
+    monkeypatch.setattr(meshes, "mesh_for_relief", refuse)
     finer = subdivided(block.surface, 4)
     part = replace(block, surface=finer, thickness=np.full(len(finer.vertices), 3.0, np.float32))
     relief = np.where(np.arange(len(finer.vertices)) < len(block.surface.vertices), 0.0, -0.2).astype(np.float32)
