@@ -85,7 +85,8 @@ def follows(rows: Sequence[Row]) -> Iterator[str]:
 
 def against_one_factor(rows: Sequence[Row], test: tuple[str, int]) -> str:
     """What feedback keeps beyond one factor where a plain base alone fails, in a sentence; "" where it fails nowhere."""
-    by_arm = [{(row.part, row.prompt): row for row in of(rows, test, arm)} for arm in ("static", "one-factor", "finish-first")]
+    three = ("static", "one-factor", "finish-first")
+    by_arm = [{(row.part, row.prompt, row.tolerance): row for row in of(rows, test, arm)} for arm in three]
     static, whole, fed = by_arm
     more = [fed[one].kept - whole[one].kept for one in static if not static[one].passes and one in whole and one in fed and fed[one].passes]
     if not more:
@@ -110,7 +111,8 @@ def page(rows: Sequence[Row], machine: str) -> str:
     parts, styles = (list(dict.fromkeys(getattr(row, of) for row in rows)) for of in ("part", "prompt"))
     named = ", ".join(part.replace("_", " ") for part in parts)
     about = "".join(f"* *{name}*: {CONDITIONS[name].about}.\n" for name in dict.fromkeys(test for test, _ in tests(rows)))
-    intro = f"{len(parts)} parts in {' and '.join(styles)}: {named}. Solid PLA, a fall of 1.5 m, a tolerance of 0.2 mm. {machine}\n\n"
+    allowed = " and ".join(f"{one:g}" for one in sorted({row.tolerance for row in rows}))
+    intro = f"{len(parts)} parts in {' and '.join(styles)}: {named}. Solid PLA, a fall of 1.5 m, tolerances of {allowed} mm. {machine}\n\n"
     rest = "\nRows: [why-these-defaults.json](why-these-defaults.json).\n"
     rest += "*Passes* counts HOLDS and NO WORSE. *Kept* counts what can be seen.\n"
     lines = list(given_up(rows))
