@@ -23,6 +23,7 @@ demo: .venv/core.stamp ## stylize a chess pawn as brick, drop it, write demo-out
 
 quick: .venv/dev.stamp ## tests without browser, notebooks, command line and what is slow: while you work
 	$(BIN)/ruff check --quiet .
+	$(BIN)/lint-imports --no-cache
 	$(TESTS) $(QUICK)
 
 # mypy takes one core for a minute, and is done long before the tests are: both run, and both must pass.

@@ -4,8 +4,9 @@ import itertools
 import json
 import os
 import re
+import shutil
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ import pytest
 from hypothesis import settings
 from xdist.scheduler import LoadScopeScheduling
 
+from mechstyle._files import exclusive
 from mechstyle.records.mesh import SurfaceMesh
 from support.bench import Bench
 
@@ -25,10 +27,16 @@ _CUBE_SIDES = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6,
 
 
 class ByFile(LoadScopeScheduling):  # type: ignore[misc]  # xdist has no types
-    """Tests of a file share what was set up for them, in one worker and in order; notebooks, most of which share nothing, fill the end."""
+    """Tests of a file share what was set up for them, in one worker and in order.
+
+    All tests in a browser are one file to it, because JupyterLab and Chromium take half a minute to start; notebooks, most of which share
+    nothing, fill the end.
+    """
 
     def _split_scope(self, nodeid: str) -> str:
         file, _, test = nodeid.partition("::")
+        if file.startswith("tests/browser/"):
+            return "tests/browser"
         return nodeid if "notebooks" in nodeid and not ONE_PART.search(test) else file
 
 
@@ -56,14 +64,36 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: p
     terminalreporter.line(f"{seconds.total():8.1f} s  together")
 
 
-@pytest.fixture(scope="session", autouse=True)
-def cache(tmp_path_factory) -> Iterator[Path]:
-    """One cache for all tests of all workers: each part is meshed once, and the user's own cache stays out of it."""
+@pytest.fixture(scope="session")
+def of_all(tmp_path_factory) -> Path:
+    """The folder of all workers."""
     mine = tmp_path_factory.getbasetemp()
-    folder = (mine.parent if "PYTEST_XDIST_WORKER" in os.environ else mine) / "cache"
+    return mine.parent if "PYTEST_XDIST_WORKER" in os.environ else mine
+
+
+@pytest.fixture(scope="session", autouse=True)
+def cache(of_all) -> Iterator[Path]:
+    """One cache for all tests of all workers: each part is meshed once, and the user's own cache stays out of it."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("MECHSTYLE_CACHE", str(folder))
-        yield folder
+        patch.setenv("MECHSTYLE_CACHE", str(of_all / "cache"))
+        yield of_all / "cache"
+
+
+@pytest.fixture(scope="session")
+def made_once(of_all, tmp_path_factory) -> Callable[[str, Callable[[Path], None]], Path]:
+    """A folder that is filled once for all workers, `made_once("clip", fill)`: each gets a copy of its own."""
+
+    def made(name: str, fill: Callable[[Path], None]) -> Path:
+        first, mine = of_all / "made" / name, tmp_path_factory.mktemp(name) / name
+        with exclusive(of_all / "made" / f"{name}.lock", name, wait=True):
+            if not first.is_dir():
+                fill(mine)
+                shutil.copytree(mine, first)
+            elif not mine.is_dir():
+                shutil.copytree(first, mine)
+        return mine
+
+    return made
 
 
 @pytest.fixture(scope="session")
@@ -89,13 +119,17 @@ def sphere() -> SurfaceMesh:
 
 
 @pytest.fixture(scope="session")
-def tiny_clip(tmp_path_factory) -> Path:
+def tiny_clip(made_once) -> Path:
     """A folder with a CLIP of a few thousand random parameters and a tokenizer of single letters, as transformers saves the real one."""
+    return made_once("tiny", write_clip)
+
+
+def write_clip(folder: Path) -> None:
+    """Fill a folder as transformers does."""
     import torch  # noqa: PLC0415 — seconds, and few tests need it
     from tokenizers.pre_tokenizers import ByteLevel  # noqa: PLC0415
     from transformers import CLIPConfig, CLIPModel  # noqa: PLC0415
 
-    folder = tmp_path_factory.mktemp("clip") / "tiny"
     letters = sorted(ByteLevel.alphabet())
     tokens = [*letters, *(letter + "</w>" for letter in letters), "<|startoftext|>", "<|endoftext|>"]
     size = {"hidden_size": 32, "intermediate_size": 64, "num_hidden_layers": 2, "num_attention_heads": 2}
@@ -106,7 +140,6 @@ def tiny_clip(tmp_path_factory) -> Path:
         CLIPModel(config).save_pretrained(folder)
     (folder / "vocab.json").write_text(json.dumps({token: number for number, token in enumerate(tokens)}))
     (folder / "merges.txt").write_text("#version: 0.2\n")
-    return folder
 
 
 @pytest.fixture

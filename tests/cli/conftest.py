@@ -67,12 +67,16 @@ def mechstyle(tmp_path) -> CommandLine:
 
 
 @pytest.fixture(scope="session")
-def finished(tmp_path_factory) -> tuple[CommandLine, Path, dict]:
+def finished(made_once) -> tuple[CommandLine, Path, dict]:
     """A finished small run: the command line, its directory and the JSON it printed."""
-    folder = tmp_path_factory.mktemp("finished")
-    line = CommandLine(folder)
-    outcome = line(*line.styled, "--out", "part", "--json")
-    return line, folder / "part", outcome.json
+
+    def carry_out(folder: Path) -> None:
+        folder.mkdir()
+        line = CommandLine(folder)
+        (folder / "printed.json").write_text(line(*line.styled, "--out", "part", "--json").stdout)
+
+    folder = made_once("finished", carry_out)
+    return CommandLine(folder), folder / "part", json.loads((folder / "printed.json").read_text())
 
 
 @pytest.fixture

@@ -83,19 +83,6 @@ def test_the_next_command_is_printed_as_it_can_be_pasted(environment, pair, caps
         assert done.stdout == f"ran {NEXT.removeprefix('mechstyle ')}\n"
 
 
-def test_in_an_active_environment_the_next_command_is_all(environment, pair, capsys, monkeypatch):
-    monkeypatch.setenv("PATH", f"{environment / 'bin'}:/usr/bin")
-    assert last_line(pair, capsys) == f"next: {NEXT}"
-
-
-def test_the_command_of_another_environment_is_not_taken_for_this_one(environment, pair, capsys, monkeypatch, tmp_path):
-    other = tmp_path / "other"
-    other.mkdir()
-    (environment / "bin" / "mechstyle").rename(other / "mechstyle")
-    monkeypatch.setenv("PATH", f"{other}:/usr/bin")
-    assert last_line(pair, capsys) == f"next: source .venv/bin/activate && {NEXT}"
-
-
 def test_without_an_environment_there_is_nothing_to_activate(pair, capsys, monkeypatch, tmp_path):
     monkeypatch.setattr(sys, "prefix", str(tmp_path))
     assert last_line(pair, capsys) == f"next: {NEXT}"

@@ -63,6 +63,7 @@ def test_a_cantilever_bears_its_plastic_moment(beam, perfect):
     assert found.where[0] < 12.0 or found.where[0] > 48.0
 
 
+@pytest.mark.slow
 def test_a_grooved_bar_collapses_where_calculix_says(perfect):
     """8 x 8 mm, 2 mm deep all round: CalculiX with perfect plasticity levels off at 52 N, on a coarse mesh."""
     bar = grooved_bar()
@@ -71,6 +72,7 @@ def test_a_grooved_bar_collapses_where_calculix_says(perfect):
     assert loaded(bar, perfect, (0.0, 0.0, -80.0)).collapses
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("hardening", "bears"), [(1.0, 1095.0), (35.0, 1175.0)])
 def test_a_neck_bears_no_more_than_the_most_that_calculix_finds(pla, hardening, bears):
     """4 x 4 x 1 mm between blocks, pulled, with large displacements: it becomes thinner. Small displacements promise 1375 N."""

@@ -19,6 +19,7 @@ def test_a_box_is_read_in_its_unit_with_z_up(tmp_path, unit, millimetres, suffix
     assert part.volume == pytest.approx(24_000.0, rel=1e-4)
 
 
+@pytest.mark.slow
 def test_what_is_damaged_is_refused_and_nothing_is_printed(tmp_path, capfd):
     whole = box_step((40.0, 30.0, 20.0))
     for damaged in (whole[:200], whole.replace("CLOSED_SHELL", "CLOSED_SHOE"), "ISO-10303-21;\nrubbish", "a letter", "\0" * 300):

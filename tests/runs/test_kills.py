@@ -20,6 +20,7 @@ from support.faults import Steps, failing_at
 from support.kills import contents, on_a_sheet
 
 
+@pytest.mark.slow
 def test_runs_that_are_killed_or_refused_the_disk_end_in_the_bytes_of_a_whole_one(tmp_path):
     paths = os.pathsep.join([str(ROOT), str(ROOT / "tests")])
     environment = {**os.environ, "PYTHONPATH": paths}  # its block is meshed for other tests as well
@@ -58,6 +59,7 @@ def test_a_run_folder_that_was_zipped_and_moved_goes_on_to_the_same_bytes(halfwa
     assert contents(moved) == whole
 
 
+@pytest.mark.slow
 def test_a_folder_on_a_disk_that_cannot_be_written_to_is_read_all_the_same(tmp_path, capsys):
     root, out = on_a_sheet(tmp_path / "run").store.root, tmp_path / "out"
     before = contents(root)

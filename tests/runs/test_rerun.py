@@ -83,6 +83,7 @@ print(found.same_bytes, found.equal, found.words)
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(os, "sched_setaffinity"), reason="this system gives a process no cores")
 @pytest.mark.parametrize("cores", [1, 2])
 def test_the_number_of_cores_does_not_matter(block, tmp_path, cores):

@@ -12,6 +12,7 @@ from mechstyle.simulation.part import mesh_for_relief
 from support.dropped_block import ripples, simulator
 
 
+@pytest.mark.slow
 def test_the_tets_of_a_relief_are_taken_for_the_next_that_they_carry(block, memo, monkeypatch):
     asked, real = [], meshes.mesh_for_relief
     monkeypatch.setattr(meshes, "mesh_for_relief", lambda *given: asked.append(1) or real(*given))

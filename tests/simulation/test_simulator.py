@@ -195,6 +195,7 @@ def test_a_relief_that_they_do_not_carry_is_judged_on_tets_made_for_half_of_it_a
 # --- what a failure becomes ---------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_drop_that_breaks_down_is_unknown_with_its_reason_and_loses_no_other(block, memo, monkeypatch, drops):
     sim, counting = simulator(block, memo, orientations=3), module.drop
     assert sim.judge(sim.baseline).passes

@@ -48,6 +48,7 @@ def arm(size, clamped, stress):
     return (SurfaceMesh(tets.vertices[used], faces.reshape(-1, 3)), tets), bend
 
 
+@pytest.mark.slow
 def test_an_arm_holds_what_bends_it_elastically_and_fails_beyond_its_hinge(memo):
     """A rectangular section carries 1.5 times the moment at which it begins to yield."""
     strength = LIBRARY["PLA"].yield_strength

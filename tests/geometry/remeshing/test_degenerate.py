@@ -136,6 +136,7 @@ def test_no_triangle_without_area_leaves_standardising_whatever_went_in(solid, f
     assert found == pytest.approx(wanted, rel=0.03)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["spectacle_frame", "cable_clip", "napkin_ring"])
 def test_no_triangle_of_the_gallery_is_without_area(name):
     """Frames, slots and narrow rounds; a part that cannot be had without them is refused, whichever it is."""

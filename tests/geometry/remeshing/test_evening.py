@@ -205,6 +205,7 @@ def _resting_area(mesh):
     return mesh.face_areas[(mesh.corners[:, :, 2] < 1e-3).all(axis=1)].sum()
 
 
+@pytest.mark.slow
 def test_a_count_that_a_part_jumps_over_is_missed_by_a_tenth_at_most():
     """A coaster's rounds take a whole row more or less at once: 2830 vertices or 3160, whatever the edge length."""
     assert abs(len(even(make("coaster"), 3000).vertices) / 3000 - 1) <= 0.1
@@ -232,5 +233,6 @@ def test_a_needle_left_of_a_simplified_round_is_no_crease(needled):
     assert not ((np.abs(fixed[:, 0] - 30.0) < 25.0) & (fixed[:, 1:] > 8.5).all(axis=1)).any()
 
 
+@pytest.mark.slow
 def test_triangles_of_a_bracket_do_not_cross():
     assert crossings(even(make("shelf_bracket"), 10_000)).pairs == 0

@@ -266,6 +266,7 @@ def test_the_edge_length_is_the_root_of_its_formula(volume, own, aim):
     assert 9 * volume / edge**3 == pytest.approx(inside)
 
 
+@pytest.mark.slow
 def test_triangles_that_are_kept_are_filled_once_however_many_tetrahedra_they_make(block, monkeypatch):
     """A second attempt, for fewer, took as long as the first and left out some inside: a towel hook of 25 000 vertices waited 90 s."""
     settings = []

@@ -174,6 +174,7 @@ def test_the_replay_inside_is_that_of_the_lane(read, lane):
     assert gzip.decompress(base64.b64decode(payload)) == gzip.decompress(played.payload)
 
 
+@pytest.mark.slow
 def test_a_small_run_makes_a_small_file_and_the_same_one_each_time(lane, tmp_path):
     path = write_report(lane, tmp_path / "out.html")
     assert path.stat().st_size < 400_000

@@ -92,6 +92,7 @@ def test_the_moments_hold_the_first_the_peak_and_the_last(count, peak):
     assert len(chosen) >= min(count, MOMENTS - 1)
 
 
+@pytest.mark.slow
 def test_a_report_has_the_impacts_that_were_looked_at_and_no_others(lane, impact):
     assert "h-impact" not in report_page(lane)
     remember(lane, impact)
