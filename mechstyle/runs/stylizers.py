@@ -127,7 +127,8 @@ def settled(recipe: Recipe, *, clip_asked_for: bool) -> Recipe:
         if recipe.style.field != "vertex":
             need_clip_extra()
         if not recipe.style.stylizer:  # a stylizer from elsewhere reads prompts its own way
-            reading_of(recipe)
+            meant = reading_of(recipe).settled
+            recipe = recipe.with_settings(prompt=meant) if meant else recipe  # read the same where no encoder is
         return recipe.with_settings(clip="")
     if recipe.style.stylizer:
         raise BadInput(f"the stylizer {recipe.style.stylizer!r} has its own guidance: leave out guidance 'clip'")

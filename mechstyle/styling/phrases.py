@@ -34,7 +34,8 @@ ADJECTIVES = english.SIZES.keys() | english.AMOUNTS.keys() | english.SHADES.keys
 _LARGE = {"wide", "large", "big"}
 _LINKS, _NOUNS = {"of", "in", "the"}, {"depth", "relief"}
 """Words between a length and the second ones that say it is one of depth: "1 mm of depth", but "5 mm in deep blue"."""
-_LIKENESS, _COSTUMES = {"like", "made", "built"}, {"suit", "costume", "outfit"}
+_MADE = {"made", "built"}
+_LIKENESS, _COSTUMES = {"like", *_MADE}, {"suit", "costume", "outfit"}
 _NO_CONTENT = {"", "or", ":", ";"} | english.FILLERS | english.SEPARATORS | english.BESIDE | english.DEGREES.keys()
 
 
@@ -68,6 +69,15 @@ def likened(items: Sequence[Item]) -> list[Item]:
     """What something is to be like, is made of or dressed as: "like an owl", "a cat in an astronaut suit"; none if nothing is said."""
     dressed = [item for item, following in itertools.pairwise(items) if meaning(following) in _COSTUMES]
     return dressed or list(itertools.dropwhile(lambda item: meaning(item) not in _LIKENESS, items))
+
+
+def unknown_stuff(items: Sequence[Item]) -> list[str]:
+    """The words that are not known of what something is to be made of; none if a style, colour or thing that is known is among them."""
+    after = list(itertools.dropwhile(lambda item: meaning(item) not in _MADE, items))[1:]
+    said = [item for item in itertools.takewhile(lambda item: not _ends_scope(item), after) if is_content(item) or not meaning(item)]
+    if any(is_style(item) or meaning(item) in {*weak(), *COLOURS} for item in said):
+        return []
+    return [item.text for item in said if isinstance(item, Word) and not item.means and item.text]
 
 
 def items_of(found: Sequence[Word], notes: list[str]) -> list[Item]:
@@ -159,7 +169,7 @@ def _with_places(given: Sequence[Item]) -> list[Item]:
         if meaning(item) in english.EVERYWHERE:
             items.append(Place(None))
         elif isinstance(item, Length):
-            items.append(_reach(item, rest) or item)
+            items.append(_reach(item, rest) or _sized(item, rest) or item)
         elif kind and (numbers := _numbers_after(kind, rest, bare=bare)) is not None:
             items.append(Place(region(" ".join([kind, *(f"{number:g}" for number in numbers)]))))
         else:
@@ -175,6 +185,16 @@ def _reach(length: Length, rest: list[Item]) -> Place | None:
     if kind not in english.TAKES_A_NUMBER:
         return None
     del rest[: at + 1]
+    return Place(region(f"{kind} {length.mm:g}"))
+
+
+def _sized(length: Length, rest: list[Item]) -> Place | None:
+    """Take the place right after a length that is no depth, and has no length of its own: "a 5 mm rim"."""
+    kind = english.PLACES.get(meaning(rest[0]), "") if rest else ""
+    own = len(rest) > 1 and (isinstance(rest[1], Length) or (isinstance(rest[1], Word) and rest[1].number is not None))
+    if length.deep or own or kind not in english.TAKES_A_NUMBER:
+        return None
+    del rest[0]
     return Place(region(f"{kind} {length.mm:g}"))
 
 

@@ -34,8 +34,9 @@ from mechstyle.errors import BadInput
 from mechstyle.records.recipe import Recipe, check_prompt
 from mechstyle.records.regions import End, Region, Rim, region
 from mechstyle.styling import vocabulary as english
-from mechstyle.styling.clauses import Clause, clauses_of
+from mechstyle.styling.clauses import NO_PLACE, Clause, clauses_of
 from mechstyle.styling.drawing.colours import rgb, shaded
+from mechstyle.styling.meaning import nearest, sure
 from mechstyle.styling.phrases import (
     LIKE,
     NOTHING,
@@ -48,6 +49,7 @@ from mechstyle.styling.phrases import (
     likened,
     meaning,
     style_of,
+    unknown_stuff,
     without_negated,
 )
 from mechstyle.styling.picture import NAME as OWN
@@ -107,6 +109,8 @@ class Reading(msgspec.Struct, frozen=True):
 
     wishes: tuple[Wish, ...]  # what it asks for, a wish for each place; at least one names a style
     notes: tuple[str, ...] = ()  # what was guessed, left out or not understood, and what it would take, in sentences
+    # a prompt that any machine reads so, where this one was read by its meaning; else ""
+    settled: str = ""
 
     @property
     def words(self) -> str:
@@ -134,6 +138,8 @@ def read(prompt: str, *, picture: bool = False) -> Reading:
     """
     check_prompt(prompt)
     found, notes = words(prompt)
+    if notes and not any(_understood(word, notes) for word in found) and (style := sure(prompt)):
+        return _meant(prompt, style)  # a slip is guessed only where no meaning is sure
     if picture:
         meant = [word._replace(means=PICTURE) if word.means in english.PICTURES else word for word in found]
         found = meant if any(is_style(word) for word in meant) else [Word("picture", PICTURE), Word(";", ";"), *meant]
@@ -141,8 +147,11 @@ def read(prompt: str, *, picture: bool = False) -> Reading:
     kept, unwanted = without_negated(items, adjectives_only=False)
     if not _clauses(kept, notes=[]) and any(is_style(item) for item in unwanted):
         kept, unwanted = without_negated(items, adjectives_only=True)
+    _check_said(kept, unwanted)
     clauses = _clauses(kept, notes)
     if not clauses:
+        if not unwanted and not picture and (style := sure(prompt)):
+            return _meant(prompt, style)
         raise _unknown_prompt(prompt, found, [item for item in unwanted if is_style(item)])
     wishes = _apart(_inherited([_wish(clause, notes) for clause in clauses if clause.named or clause.described]), notes)
     if picture and all(wish.style != OWN for wish in wishes):
@@ -150,6 +159,18 @@ def read(prompt: str, *, picture: bool = False) -> Reading:
         way = "give each its place, such as `outside: picture; rim: brick`"
         raise BadInput(f"the prompt {prompt!r} names {names}, but not the picture: {way}")
     return Reading(wishes, (*notes, *_left_out(clauses, unwanted, wishes)))
+
+
+def _check_said(kept: Sequence[Item], unwanted: Sequence[Item]) -> None:
+    """Refuse what would be drawn as if it had been said otherwise: a place to be spared that is not known, a stuff that is not known."""
+    places = [item.text for item in unwanted if isinstance(item, Word) and meaning(item) in english.UNKNOWN_PLACES]
+    if places:
+        raise BadInput(f"{quoted(places)} in the prompt is {NO_PLACE}; `--protect` keeps such a place plain")
+    if stuff := unknown_stuff(kept):
+        near = ", ".join(repr(_spoken(name)) for name in suggestions(" ".join(stuff)))
+        raise BadInput(
+            f"the prompt asks for something made of {quoted(stuff)}, which is no style: try {near}; `mechstyle styles` lists them all"
+        )
 
 
 def _clauses(kept: Sequence[Item], notes: list[str]) -> list[Clause]:
@@ -408,6 +429,17 @@ def _unknown_prompt(prompt: str, found: Sequence[Word], unwanted: Sequence[Item]
     )
 
 
+def _understood(word: Word, notes: Sequence[str]) -> bool:
+    """Whether a word is one of a language that is read, and was not guessed."""
+    known = bool(word.means) or word.text in english.english()
+    return known and not any(note.startswith(f"read {word.text!r} ") for note in notes)
+
+
+def _meant(prompt: str, style: str) -> Reading:
+    said = f"read {prompt!r} as {_spoken(style)} by its meaning"
+    return Reading((Wish(style),), (said,), settled=f"{prompt}, {_spoken(style)}")
+
+
 def suggestions(prompt: str, count: int = SUGGESTED) -> tuple[str, ...]:
     """Names of the styles that come nearest to a prompt by what its words mean, nearest first; always as many as asked for.
 
@@ -419,10 +451,9 @@ def suggestions(prompt: str, count: int = SUGGESTED) -> tuple[str, ...]:
         one = style_of(word) or english.weak().get(word.means)
         hints = english.hints(word.text) if one or not word.means else ()
         near.append([*([one.style] if one else []), *hints])
+    by_meaning = list(nearest(prompt))[:count]
     letters = [word.text for word in found if not word.means and len(word.text) >= _LEAST_LETTERS]
-    near += [
-        [english.styles()[close].style for close in difflib.get_close_matches(text, english.styles(), n=1, cutoff=_NEAR)]
-        for text in letters
-    ]
+    alike = [difflib.get_close_matches(text, english.styles(), n=1, cutoff=_NEAR) for text in letters]
+    near += [by_meaning] if by_meaning else [[english.styles()[close].style for close in found] for found in alike]
     ordered = [name for rank in itertools.zip_longest(*near) for name in rank if name]
     return tuple(dict.fromkeys([*ordered, *_WELL_KNOWN]))[:count]

@@ -131,6 +131,12 @@ def called(style: str) -> tuple[str, ...]:
 
 
 @cache
+def looks() -> Mapping[str, str]:
+    """Style of each English word of `words` that says anything about one."""
+    return {word.replace("+", " ").replace("_", " "): meaning.style for word, _, meaning in _meant("words")}
+
+
+@cache
 def apart() -> tuple[tuple[str, ...], ...]:
     """The phrases whose words may stand apart from each other, those of most words first."""
     phrases = [tuple(word.split("+")) for word, *_ in _meant("words") if "+" in word]

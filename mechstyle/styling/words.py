@@ -37,7 +37,7 @@ _FIRM = 6  # letters from which on one of them may be another: shorter words are
 class Word(NamedTuple):
     """A word, number or mark of a prompt."""
 
-    text: str  # as typed, in lower case and without accents
+    text: str  # as typed, in lower case
     means: str  # the English word of the vocabulary, or of a style, that it stands for; a mark or number for itself; "" for none
     shade: float = 1.0  # how light a colour is to be: below 1 darker, above 1 lighter
 
@@ -49,9 +49,9 @@ class Word(NamedTuple):
 
 def words(prompt: str) -> tuple[list[Word], list[str]]:
     """The words of a prompt, and a note for each that was guessed."""
-    folded = _folded(prompt)
-    eastern = ("Japanese", "Chinese") if _KANA.search(folded) else ("Chinese", "Japanese")
-    tokens = [part for token in _TOKEN.findall(folded) for part in (_segmented(token, eastern) if _is_eastern(token) else [token])]
+    typed = _typed(prompt)
+    eastern = ("Japanese", "Chinese") if _KANA.search(typed) else ("Chinese", "Japanese")
+    tokens = [part for token in _TOKEN.findall(typed) for part in (_segmented(token, eastern) if _is_eastern(token) else [token])]
     language = language_of(tokens)
     read, notes = [], []
     while tokens:
@@ -71,10 +71,14 @@ def quoted(texts: Iterable[str]) -> str:
     return ", ".join(repr(text) for text in dict.fromkeys(texts))
 
 
-def _folded(text: str) -> str:
-    """The text in lower case, without accents, and with what is written in more than one way written in one."""
-    plain = "".join(sign for sign in unicodedata.normalize("NFKD", text.casefold()) if not "\u0300" <= sign <= "\u036f")
-    plain = unicodedata.normalize("NFC", plain).replace("n't", " not").replace("n’t", " not")
+def _bare(text: str) -> str:
+    """The text without accents."""
+    return "".join(sign for sign in unicodedata.normalize("NFKD", text) if not "\u0300" <= sign <= "\u036f")
+
+
+def _typed(text: str) -> str:
+    """The text in lower case, with what is written in more than one way written in one; of kana the marks stay."""
+    plain = unicodedata.normalize("NFKC", text.casefold()).replace("n't", " not").replace("n’t", " not")
     plain = re.sub(r"(?<![\d.])(\d+)/([1-9]\d*)(?=\s*(?:in\b|inch|[\"″]))", lambda of: f"{int(of[1]) / int(of[2]):g}", plain)  # 1/4 inch
     plain = re.sub(r"(?<=\d)(?:in\b|\s*[\"″])", " inch", plain)  # 2in: two words would be "2", "inside"
     plain = re.sub(r"(?<=\d),(?=\d+\s*(?:mm|cm|milli|centi|毫米|ミリ))", ".", plain)  # a decimal comma
@@ -91,19 +95,22 @@ def _listed(word: str, languages: Sequence[str]) -> str:
 
 
 def _segmented(signs: str, languages: Sequence[str]) -> list[str]:
-    """Words written without spaces: always the longest that comes next; signs that begin none are put together."""
-    parts: list[str] = []
-    unknown = ""
+    """Words written without spaces: always the longest that comes next; signs that begin none are put together.
+
+    A single sign for a thing or stuff beside one that is not known is half of a word that is not known: 机 is a desk, 手机 is none.
+    """
+    parts: list[tuple[str, str]] = []
     while signs:
         length = next((length for length in range(len(signs), 0, -1) if _listed(signs[:length], languages)), 0)
-        if length:
-            parts += [unknown] if unknown else []
-            parts.append(signs[:length])
-            unknown = ""
-        else:
-            unknown += signs[0]
+        parts.append((signs[: length or 1], _listed(signs[:length], languages) if length else ""))
         signs = signs[length or 1 :]
-    return [*parts, unknown] if unknown else parts
+    strange = [not means for _, means in parts]
+    for at, (part, means) in enumerate(parts):
+        beside = any(strange[other] and not _KANA.match(parts[other][0]) for other in (at - 1, at + 1) if 0 <= other < len(parts))
+        strange[at] |= beside and len(part) == 1 and (means in styles() or means in weak())
+    runs = itertools.groupby(zip(parts, strange, strict=True), key=lambda one: one[1])
+    found = [(unknown, [part for (part, _), _ in run]) for unknown, run in runs]
+    return [text for unknown, texts in found for text in (["".join(texts)] if unknown else texts)]
 
 
 def _next_word(tokens: list[str], language: str) -> tuple[int, list[str], str]:
@@ -122,20 +129,30 @@ def _next_word(tokens: list[str], language: str) -> tuple[int, list[str], str]:
 
 @cache
 def _dictionary(language: str) -> Mapping[str, str]:
-    """English word by word of a language, folded as prompts are; "" for English itself."""
+    """English word by word of a language, as it is written and without its accents; "" for English itself."""
     if not language:
         return {word.replace("_", ""): word for word in meanings()} | {word: word for word in meanings()}
-    folded = {}
+    written: dict[str, str] = {}
+    bare: dict[str, str] = {}
     for word, means in words_of(language).items():
-        folded[_folded(word)] = means
-        folded[_folded(re.sub("([äöü])", r"\1e", word.casefold()))] = means  # ä written as ae
-    return {word: means for word, means in folded.items() if means in meanings() or means == english.NEGATED_BEFORE}
+        written[_typed(word)] = means
+        bare[_bare(_typed(word))] = means
+        bare[_bare(re.sub("([äöü])", r"\1e", word.casefold()))] = means  # ä written as ae
+    known = meanings() | {english.NEGATED_BEFORE}
+    return {word: means for word, means in (bare | written).items() if means in known}
 
 
 @cache
 def _stems(language: str) -> Mapping[str, str]:
     """English word by stem of a word of a language, as `_stem` gives it."""
     return {_stem(word, language): means for word, means in reversed(list(_dictionary(language).items())) if "_" not in word}
+
+
+@cache
+def _accented_stems(language: str) -> Mapping[str, str]:
+    """English word by stem of a word of a language that is written with accents, without them."""
+    written = {_typed(word): means for word, means in words_of(language).items()}
+    return {_bare(_stem(word, language)): means for word, means in written.items() if word != _bare(word) and means in meanings()}
 
 
 def _stem(word: str, language: str) -> str:
@@ -176,20 +193,21 @@ def language_of(tokens: Sequence[str]) -> str:
     return max(("", *LANGUAGES[:5]), key=lambda language: _covered(western, language))
 
 
-def _covered(tokens: Sequence[str], language: str) -> tuple[float, int]:
-    """How many of some words a language knows, alone or in its phrases, and how many of them as they are written.
+def _covered(tokens: Sequence[str], language: str) -> tuple[float, int, int]:
+    """How many of some words a language knows, alone or in its phrases, how many as they are written, and how many ask for nothing.
 
     A word that English has but that says nothing here counts half: a Stein is also a stein.
     """
-    at, covered, written = 0, 0.0, 0
+    at, covered, written, small = 0, 0.0, 0, 0
     while at < len(tokens):
-        count = _phrase(tokens[at:], language)[0]
+        count, means = _phrase(tokens[at:], language)
         own = not language or tokens[at] not in english.english()  # a burger is no Burg, nor fog a fogo
         known = count or (own and bool(_known(tokens[at], language) or _compound(tokens[at], language)))
         covered += known or 0.5 * (not language and bool(_english(tokens[at])))
         written += count
+        small += means in english.FILLERS
         at += count or 1
-    return covered, written
+    return covered, written, small if language else len(tokens)
 
 
 def _phrase(tokens: Sequence[str], language: str) -> tuple[int, str]:
@@ -205,13 +223,22 @@ def _phrase(tokens: Sequence[str], language: str) -> tuple[int, str]:
 
 def _unlisted(word: str, language: str) -> tuple[list[str], str]:
     """What a word means that no dictionary lists as it is, and a note if that was guessed: inflected, foreign, compound, misspelt."""
+    if word != (bare := _bare(word)):
+        return _unlisted_accented(word, bare, language)
     found = _known(word, language) or _known(word, "")
     if found:
         return [found], ""
     common = _english(word)
     if common and (not language or common in weak()):  # a word of its own is no slip of another
         return [common if common in weak() else ""], ""
-    seen = {*styles(), *weak(), *english.COLOURS}  # filling words of another language are often words of this one
+    seen = {
+        *styles(),
+        *weak(),
+        *english.COLOURS,
+        *english.SIZES,
+        *english.AMOUNTS,
+        *english.PLACES,
+    }  # filling words of another language are often words of this one
     foreign = next((means for other in LANGUAGES[:5] if (means := _dictionary(other).get(word, "")) in seen), "")
     if foreign:
         return [foreign], f"read {word!r} as {foreign!r}"
@@ -220,6 +247,18 @@ def _unlisted(word: str, language: str) -> tuple[list[str], str]:
         return parts, ""
     close = _misspelt(word, language) or _begun(word)
     return [close], f"read {word!r} as {close!r}" if close else ""
+
+
+def _unlisted_accented(word: str, bare: str, language: str) -> tuple[list[str], str]:
+    """Likewise of a word with accents, which is no word of English: für is no fur. Another language must have it with those accents."""
+    foreign = next((means for other in LANGUAGES[:5] if (means := _dictionary(other).get(word, ""))), "")
+    if foreign:
+        return [foreign], ""
+    if not language:
+        return [_known(bare, "") if not any(bare in _dictionary(other) for other in LANGUAGES[:5]) else ""], ""  # crochêt
+    stem = _stem(word, language)
+    known = _dictionary(language).get(stem) or _accented_stems(language).get(_bare(stem), "")
+    return ([known], "") if known else (_compound(word, language) or [""], "")
 
 
 def _compound(word: str, language: str) -> list[str]:

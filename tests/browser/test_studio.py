@@ -94,7 +94,7 @@ def test_a_prompt_that_names_no_style_is_answered_under_its_field_with_styles_to
 
 @pytest.mark.parametrize("close", ["Escape", "a click elsewhere", "a choice"])
 def test_the_sheet_of_all_styles_is_searched_and_closes(studio, close):
-    more, sheet = whole(studio).get_by_role("button", name="all 72 styles"), whole(studio).get_by_role("dialog", name="all 72 styles")
+    more, sheet = whole(studio).get_by_role("button", name="all 77 styles"), whole(studio).get_by_role("dialog", name="all 77 styles")
     more.click()
     sheet.wait_for()
     sheet.get_by_label("search styles").fill("scale")

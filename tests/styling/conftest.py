@@ -1,6 +1,7 @@
 """Small parts whose rows, columns and sides are known: a pen holder and an L-shaped stand."""
 
 import itertools
+import sys
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ import pytest
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.styling.drawing.canvas import Canvas
 from mechstyle.styling.drawing.operators import Operators
+from mechstyle.styling.meaning import MODULE
 
 EDGE = 4.0  # mm
 
@@ -54,6 +56,12 @@ def boxed(steps: tuple[int, int, int], inside, edge: float = EDGE) -> SurfaceMes
         a, b, c, d = (index.setdefault((i + x, j + y, k + z), len(index)) for x, y, z in list(sides.values())[side])
         faces += [(a, b, c), (a, c, d)]
     return SurfaceMesh(np.array(list(index), dtype=float) * edge, np.array(faces))
+
+
+@pytest.fixture(autouse=True)
+def _without_an_encoder(monkeypatch):
+    """What the tables say, whether or not the extra `words` is installed."""
+    monkeypatch.setitem(sys.modules, MODULE, None)
 
 
 @pytest.fixture(scope="session")

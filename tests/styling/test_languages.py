@@ -1,13 +1,15 @@
 """The table of words of other languages: complete, without contradictions, and of use."""
 
 import itertools
+from pathlib import Path
 
 import pytest
 
+from mechstyle.errors import BadInput
 from mechstyle.styling import words
 from mechstyle.styling.library import names
 from mechstyle.styling.prompt import read
-from mechstyle.styling.vocabulary import COLOURS, LANGUAGES, meanings, rows, styles, words_of
+from mechstyle.styling.vocabulary import COLOURS, LANGUAGES, meanings, rows, styles, weak, words_of
 
 ROWS = [row for row in rows("words") if any(row.words[1:])]
 
@@ -25,16 +27,16 @@ def test_the_three_hundred_commonest_ideas_have_words_in_nearly_every_language()
 @pytest.mark.parametrize("language", LANGUAGES)
 def test_no_word_of_a_language_stands_for_two(language):
     column = 1 + LANGUAGES.index(language)
-    written = [(words._folded(word), row.words[0][0]) for row in ROWS for word in row.words[column]]
+    written = [(words._bare(words._typed(word)), row.words[0][0]) for row in ROWS for word in row.words[column]]
     for (word, one), (same, other) in itertools.pairwise(sorted(written)):
         assert word != same or one == other, (word, one, other)
 
 
 @pytest.mark.parametrize("language", LANGUAGES)
 def test_every_word_for_a_style_asks_for_it(language):
-    others = [words_of(other) for other in LANGUAGES if other != language]
+    others = [{word.lower(): means for word, means in words_of(other).items()} for other in LANGUAGES if other != language]
     for word, english in words_of(language).items():
-        shared = word.lower() in meanings() or any(other.get(word, english) != english for other in others)  # llama, seta
+        shared = word.lower() in meanings() or any(other.get(word.lower(), english) != english for other in others)  # llama, seta
         if english in styles() and not shared:
             assert [wish.style for wish in read(word.replace("_", " ")).wishes] == [styles()[english].style], word
 
@@ -47,3 +49,35 @@ def test_every_word_for_a_colour_asks_for_it_beside_a_style_of_that_language(lan
             (wish,) = read(f"{brick} {word.replace('_', ' ')}").wishes
             digits = "".join(f"{round(255 * channel):02x}" for channel in wish.colour or ())
             assert (wish.style, digits) == ("brick", COLOURS[english]), word
+
+
+COMMON = dict(
+    line.split(": ", 1) for line in Path(__file__).with_name("common_words.txt").read_text("utf-8").splitlines() if line[0] != "#"
+)
+
+
+def becomes(prompt):
+    """The styles of a prompt, none if it is refused."""
+    try:
+        return [wish.style for wish in read(prompt).wishes]
+    except BadInput:
+        return []
+
+
+@pytest.mark.parametrize("language", COMMON)
+def test_a_common_word_becomes_a_style_only_where_the_tables_list_it_as_a_thing_that_looks_so(language):
+    """Not by its letters without accents, its ending, a slip of the typist, or what another language than English has it for."""
+    listed = {words._typed(word) for word, english in words_of(language).items()} if language != "English" else set()
+    listed |= {*styles(), *weak()}
+    common = COMMON[language].split()
+    assert len(set(common)) >= 250
+    assert [word for word in common if words._typed(word) not in listed and becomes(word)] == []
+
+
+@pytest.mark.parametrize(
+    "prompt",
+    ["Vase für Oma", "Ständer für mein Handy", "boîte à bijoux pour ma mère", "tapa de frasco", "for my father", "un cadeau pour mon père",
+     "tampa de frasco", "un regalo para mi madre", "un regalo per mio padre", "手机支架", "给妈妈的礼物", "母への贈り物"],
+)  # fmt: skip
+def test_a_sentence_of_small_words_and_things_without_a_look_is_refused(prompt):
+    assert becomes(prompt) == []

@@ -38,7 +38,7 @@ def test_every_word_and_phrase_of_the_table_asks_for_its_style_whatever_its_part
 @pytest.mark.parametrize(
     ("prompt", "style"),
     [("lego brick", "studs"), ("diamond plate steel", "diamond_plate"), ("tree rings", "wood"), ("a cow print vase", "giraffe"),
-     ("orange peel", "dots"), ("water lily", "floral"), ("corrugated iron", "fluted"), ("sea urchins", "spikes")],
+     ("orange peel", "dots"), ("water lily", "floral"), ("corrugated iron", "corrugated"), ("sea urchins", "spikes")],
 )  # fmt: skip
 def test_a_phrase_goes_before_its_words(prompt, style):
     wish, _ = only(prompt)

@@ -214,3 +214,38 @@ def terrazzo(canvas: Canvas) -> Relief:
         height += chip * (0.55 + 0.35 * own - height)
         colour = mix(colour, hue, chip)
     return Relief(canvas.softened(height), canvas.softened(colour))
+
+
+CHECK, FRAME, BEAM = 16.0, 40.0, 6.0
+
+
+@style("squares of a chessboard, dark ones sunk between pale ones", feature_mm=CHECK)
+def checkers(canvas: Canvas) -> Relief:
+    """Squares that are pale and raised or dark and sunk, in turn along both ways."""
+    unit = canvas.unit("edges of the squares", 0.25 * CHECK, edges=1.6)
+    bond = canvas.bond(2.0 * CHECK * unit, CHECK * unit)  # a pale and a dark square a cell, which changes sides from row to row
+    pale = smoothstep(-0.8, 0.8, (np.abs(bond.x) - 0.25) * 2.0 * CHECK)
+    away = smoothstep(0.0, 0.8, (0.5 - np.abs(bond.y)) * CHECK)
+    pale = 0.5 + (pale - 0.5) * away  # at the border of two rows either may be
+    grain = canvas.noise(14.0 * unit, 4, "grain")
+    light = canvas.painted(ramp(["cbb894", "e6d8b8", "f6edd8"], 0.5 + 0.5 * grain))
+    return Relief(
+        canvas.softened(-0.9 + 1.8 * pale + 0.08 * grain), canvas.softened(mix(rgb("2a211b") + 0.05 * grain[:, None], light, pale))
+    )
+
+
+@style("dark beams with braces, and white plaster between", feature_mm=0.5 * FRAME)
+def half_timbered(canvas: Canvas) -> Relief:
+    """Posts and rails of dark oak that stand out of white plaster; every other panel has a brace."""
+    unit = canvas.unit("beams", BEAM, edges=2.2)
+    bond = canvas.bond(FRAME * unit, 0.9 * FRAME * unit, shift=0.0)
+    post, rail = (0.5 - np.abs(bond.x)) * FRAME, (0.5 - np.abs(bond.y)) * 0.9 * FRAME
+    own = canvas.random(canvas.pieces(np.minimum(post, rail) > 0.4 * BEAM, bond.odd), "brace")
+    brace = np.where(own < 0.25, np.abs(bond.x - bond.y), np.where(own < 0.5, np.abs(bond.x + bond.y), 1.0)) * FRAME / 2.0**0.5
+    beam = smoothstep(0.6 * BEAM, 0.4 * BEAM, np.minimum(np.minimum(post, rail), brace))
+    grain, trowel = canvas.noise(5.0 * unit, 3, "grain"), canvas.noise(16.0 * unit, 3, "trowel")
+    oak = ramp(["1f140d", "3b2617", "5a3c24"], 0.5 + 0.6 * grain)
+    plaster = canvas.painted(ramp(["cfc6b2", "ece5d4", "faf6ea"], 0.55 + 0.45 * trowel))
+    return Relief(
+        canvas.softened(-0.8 + 1.7 * beam + 0.08 * grain * beam + 0.10 * trowel * (1.0 - beam)), canvas.softened(mix(plaster, oak, beam))
+    )

@@ -241,3 +241,34 @@ def grip(canvas: Canvas) -> Relief:
     worn = canvas.noise(6.0 * unit, 2, "worn")
     rubber = ramp(["0e0f10", "26282a", "45484b"], 0.15 + 0.65 * lug - 0.30 * sipe + 0.20 * worn)
     return Relief(canvas.softened(-0.90 + 1.80 * lug - 0.55 * sipe + 0.08 * worn), canvas.softened(canvas.painted(rubber)))
+
+
+WAVE, CONE = 12.0, 18.0
+
+
+@style("upright waves of zinc sheet, with a lap and bolts where sheets meet", feature_mm=WAVE)
+def corrugated(canvas: Canvas) -> Relief:
+    """A sheet bent into upright waves; each sheet overlaps the one below it, bolted through its crests."""
+    unit = canvas.unit("waves of the sheet", WAVE, edges=4.0)
+    bond = canvas.bond(WAVE * unit, 5.0 * WAVE * unit, shift=0.0)
+    wave = np.cos(2.0 * np.pi * bond.x)
+    below = (bond.y + 0.5) * 5.0 * WAVE  # from the lower edge of its sheet
+    lap = smoothstep(0.0, 0.8, below) * smoothstep(5.0 * WAVE, 0.6 * WAVE, below)
+    bolt = dome(np.clip(np.hypot(bond.x * WAVE, below - 0.45 * WAVE) / (0.16 * WAVE), 0.0, 1.0))
+    rust, dull = canvas.noise(40.0 * unit, 4, "rust"), canvas.noise(10.0 * unit, 3, "dull")
+    zinc = canvas.painted(ramp(["5d646a", "8b949b", "b7bfc5", "dde3e6"], 0.50 + 0.32 * wave + 0.22 * dull))
+    stain = smoothstep(0.25, 0.75, rust) * smoothstep(0.5, -0.4, wave)
+    height = 0.85 * wave + 0.22 * lap + 0.5 * bolt - 0.15 + 0.06 * dull
+    return Relief(canvas.softened(height), canvas.softened(mix(zinc, rgb("8a4a26"), 0.7 * stain)))
+
+
+@style("blunt cones in square rows, orange with a pale ring", feature_mm=CONE)
+def cones(canvas: Canvas) -> Relief:
+    """Cones with blunt tips that stand side by side in square rows."""
+    unit = canvas.unit("cones", CONE, edges=4.5)
+    bond = canvas.bond(CONE * unit, CONE * unit, shift=0.0, grip=0.3)
+    cone = np.clip(1.0 - np.hypot(bond.x, bond.y) / 0.48, 0.0, 0.82) / 0.82
+    ring = smoothstep(0.36, 0.42, cone) * smoothstep(0.66, 0.60, cone)
+    cloud = canvas.noise(26.0 * unit, 2, "cloud")
+    orange = canvas.painted(ramp(["5c2408", "c65312", "ef7a24", "f89a4c"], 0.15 + 0.75 * cone + 0.12 * cloud))
+    return Relief(canvas.softened(-0.9 + 1.95 * cone + 0.05 * cloud), canvas.softened(mix(orange, rgb("f4efe6"), ring)))

@@ -136,3 +136,20 @@ def lava(canvas: Canvas) -> Relief:
     basalt = ramp(["141213", "2a2526", "4a4142"], 0.10 + 0.60 * rope + 0.25 * rough)
     fire = ramp(["b3200a", "f0590e", "fdb52b", "fff0a0"], smoothstep(4.5, 0.0, edge) + 0.15 * rough)
     return Relief(canvas.softened(height), canvas.softened(mix(fire, canvas.painted(basalt), crust)))
+
+
+SHERD, SEAM = 40.0, 3.0
+
+
+@style("a broken glazed bowl mended with seams of gold", feature_mm=0.6 * SHERD)
+def kintsugi(canvas: Canvas) -> Relief:
+    """Large sherds of a dark glaze, each a little out of line, whose cracks are filled with raised gold."""
+    unit = canvas.unit("seams of gold", SEAM, edges=1.6)
+    sherds = canvas.cells(SHERD * unit, "sherds", at=canvas.warped(22.0 * unit, 4.0 * unit, "break"))
+    edge = canvas.smoothed(sherds.edge, 0.5 * unit) / unit
+    seam = dome(np.clip(edge / (0.75 * SEAM), 0.0, 1.0))
+    own, glaze = canvas.random(sherds.identity, "tone") - 0.5, canvas.noise(24.0 * unit, 4, "glaze")
+    bowl = canvas.painted(ramp(["10232b", "1f3d47", "35606b", "5b8b92"], 0.45 + 0.35 * own + 0.35 * glaze))
+    gold = ramp(["8a5f17", "cf9f37", "f6dd8c"], 0.2 + 0.8 * seam + 0.2 * glaze)
+    height = -0.75 + 0.5 * own + 0.12 * glaze + 1.7 * seam
+    return Relief(canvas.softened(height), canvas.softened(mix(bowl, gold, smoothstep(0.15, 0.45, seam))))
