@@ -57,7 +57,7 @@ def _encoder() -> Encode:
 def _known() -> tuple[list[str], Floats]:
     """Style of each description and word of the vocabulary, and their embeddings."""
     described = {style.description: name for name, style in library().items()}
-    known = vocabulary.looks() | described | {name.replace("_", " "): name for name in described.values()}
+    known = dict(vocabulary.looks()) | described | {name.replace("_", " "): name for name in described.values()}
     return list(known.values()), _unit(_encoder()(list(known)))
 
 
