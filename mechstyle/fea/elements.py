@@ -132,3 +132,11 @@ def at_corners(values: ArrayLike) -> Floats:
         return np.repeat(at_points, 4, axis=-1)
     line = (at_points - GAUSS_B * at_points.sum(axis=-1, keepdims=True)) / (GAUSS_A - GAUSS_B)
     return np.clip(line, 0.0, OVERSHOOT * at_points.max(axis=-1, keepdims=True))
+
+
+def at_vertices(tets: TetMesh, points: ArrayLike) -> Floats:
+    """Volume-weighted mean at each vertex, shape [vertex_count], of values at the Gauss points, shape [tet_count, points]."""
+    volumes, count = np.repeat(tets.volumes, 4), len(tets.vertices)
+    nodes, values = tets.tets.ravel(), at_corners(points).ravel()
+    weights = np.bincount(nodes, volumes, count)
+    return np.bincount(nodes, volumes * values, count) / np.where(weights > 0.0, weights, 1.0)

@@ -18,7 +18,6 @@ from scipy.sparse.csgraph import connected_components
 
 from mechstyle.errors import SimulationFailed
 from mechstyle.fea.discretisation import Discretisation
-from mechstyle.fea.elements import at_corners
 from mechstyle.fea.linear_solvers import FreeBody
 from mechstyle.records.mesh import Bools, Floats, TetMesh
 from mechstyle.records.simulation import Place
@@ -123,14 +122,6 @@ def quantile(values: ArrayLike, volumes: Floats, volume: float) -> float:
     order = np.argsort(-points, axis=None)
     held = np.cumsum(np.repeat(volumes / points.shape[1], points.shape[1])[order])
     return float(points.ravel()[order[min(int(np.searchsorted(held, volume, side="right")), len(order) - 1)]])
-
-
-def at_vertices(tets: TetMesh, points: ArrayLike) -> Floats:
-    """Volume-weighted mean at each vertex, shape [vertex_count], of values at the Gauss points, shape [tet_count, points]."""
-    volumes, count = np.repeat(tets.volumes, 4), len(tets.vertices)
-    nodes, values = tets.tets.ravel(), at_corners(points).ravel()
-    weights = np.bincount(nodes, volumes, count)
-    return np.bincount(nodes, volumes * values, count) / np.where(weights > 0.0, weights, 1.0)
 
 
 def exceeded(tets: TetMesh, nodal: ArrayLike, volume: float) -> tuple[float, Place]:

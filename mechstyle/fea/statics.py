@@ -21,11 +21,11 @@ from mechstyle.errors import BadInput, SimulationFailed
 from mechstyle.fea.discretisation import discretise
 from mechstyle.fea.drop import GRAVITY
 from mechstyle.fea.elasticity import displacement_gradients, equivalent_stress, stiffness_matrix, trace
-from mechstyle.fea.elements import ElementMesh, element_named, with_nodes
+from mechstyle.fea.elements import ElementMesh, at_vertices, element_named, with_nodes
 from mechstyle.fea.explicit import Progress, no_progress
 from mechstyle.fea.linear_solvers import Solver, linear_fields
 from mechstyle.fea.loading import Held, Outcome, Ramp
-from mechstyle.fea.permanent_set import Springback, at_vertices, measured
+from mechstyle.fea.permanent_set import Springback, measured
 from mechstyle.records.load_cases import RESTING_FACE, LoadCase, Patch, Place, Support
 from mechstyle.records.material import Material
 from mechstyle.records.mesh import Bools, Floats, Indices, SurfaceMesh, TetMesh, in_ball, on_floor

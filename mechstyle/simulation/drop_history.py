@@ -10,7 +10,7 @@ import numpy as np
 
 from mechstyle.errors import BadInput
 from mechstyle.fea.drop import Drop, History
-from mechstyle.fea.permanent_set import at_vertices
+from mechstyle.fea.elements import at_vertices
 from mechstyle.pictures import fields
 from mechstyle.pictures.panels import Picture
 from mechstyle.records import Landing

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from mechstyle.errors import SimulationFailed
+from mechstyle.fea.elements import at_vertices
 from mechstyle.fea.explicit import Progress, no_progress
 from mechstyle.fea.orientations import FLAT, UP
-from mechstyle.fea.permanent_set import at_vertices
 from mechstyle.fea.snapshots import snapshots
 from mechstyle.records import Recipe, Simulation
 from mechstyle.records.mesh import Floats, SurfaceMesh

@@ -15,9 +15,10 @@ from numpy.typing import NDArray
 
 from mechstyle.errors import SimulationFailed
 from mechstyle.fea.drop import Drop, History, drop
+from mechstyle.fea.elements import at_vertices
 from mechstyle.fea.explicit import Progress, no_progress
 from mechstyle.fea.orientations import Orientations
-from mechstyle.fea.permanent_set import at_vertices, measured
+from mechstyle.fea.permanent_set import measured
 from mechstyle.fea.statics import StaticTest
 from mechstyle.geometry.morph import Morphed
 from mechstyle.loop.control import YIELDED

@@ -13,10 +13,10 @@ from mechstyle.fea.elements import (
     OVERSHOOT,
     QUADRATIC,
     at_corners,
+    at_vertices,
     element_named,
     with_nodes,
 )
-from mechstyle.fea.permanent_set import at_vertices
 from mechstyle.records.mesh import TetMesh
 from validation.meshes import box
 

@@ -9,11 +9,10 @@ from scipy.interpolate import BSpline
 from mechstyle.errors import SimulationFailed
 from mechstyle.fea import linear_solvers
 from mechstyle.fea.discretisation import discretise
-from mechstyle.fea.elements import ELEMENTS, LINEAR, QUADRATIC
+from mechstyle.fea.elements import ELEMENTS, LINEAR, QUADRATIC, at_vertices
 from mechstyle.fea.permanent_set import (
     VOLUME,
     Springback,
-    at_vertices,
     exceeded,
     measured,
     measured_volume,

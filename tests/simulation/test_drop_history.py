@@ -11,7 +11,7 @@ import pytest
 
 from mechstyle.errors import BadInput
 from mechstyle.fea.drop import DropTest, drop
-from mechstyle.fea.permanent_set import at_vertices
+from mechstyle.fea.elements import at_vertices
 from mechstyle.records.material import LIBRARY
 from mechstyle.simulation.drop_history import SHARES, Course, history_figures, history_picture, vtu_bytes, vtu_path
 from mechstyle.simulation.impact import Impact
