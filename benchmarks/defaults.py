@@ -92,8 +92,8 @@ def against_one_factor(rows: Sequence[Row], test: tuple[str, int]) -> str:
     if not more:
         return ""
     return (
-        f"\n  Where a plain base alone fails, {len(more)} runs, feedback keeps {median(more):.2f} more of the style than one factor in the median,"
-        f" {min(more):.2f} at least."
+        f"\n  Where a plain base alone fails, {len(more)} runs, feedback keeps {median(more):.2f} more of the style than one factor"
+        f" in the median, {min(more):.2f} at least."
     )
 
 
