@@ -196,6 +196,11 @@ def marked(outcome: str, *, sure: bool) -> str:
     return outcome if sure or outcome.startswith("UNKNOWN") else f"{outcome} {NOT_SURE}"
 
 
+def untested(since: int | None) -> str:
+    """What stands for the outcome of a surface that was not tested; `since` is the iteration of the last test before, None for none."""
+    return f"{NOT_TESTED} since iteration {since}" if since else NOT_TESTED
+
+
 def least(verdict: Verdict) -> str:
     """What stays bent of plain and styled part in the worst test, "" where there is none."""
     if (row := verdict.deciding) is None:

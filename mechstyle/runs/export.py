@@ -14,7 +14,7 @@ from mechstyle.geometry.print_quality import Quality, quality
 from mechstyle.loop.objects import to_json
 from mechstyle.loop.store import Entry, Store
 from mechstyle.pictures.fields import Known, known
-from mechstyle.records import Checkpoint, Recipe, Simulation, Verdict
+from mechstyle.records import Checkpoint, Recipe, Simulation, Verdict, sentences
 from mechstyle.runs.printing import Printing, PrintPlan, wishes_of, write_for_printing
 from mechstyle.simulation.part import Workpiece
 from mechstyle.styling.drawing.colours import finish_of
@@ -98,8 +98,8 @@ def sidecar(path: Path) -> Path:
 
 
 def unsimulated(entry: Entry) -> str:
-    """Why the surface of a checkpoint was not simulated, "" if it was."""
-    return "" if entry.verdict else f"this iteration was not simulated; the last simulation was at {entry.simulated_at}"
+    """That the surface of a checkpoint was not simulated, "" if it was."""
+    return "" if entry.verdict else f"{sentences.untested(entry.simulated_at)}: this surface was not dropped"
 
 
 def of_the_test(verdict: Verdict | None) -> tuple[str, ...]:

@@ -24,7 +24,7 @@ from mechstyle.loop.history import measured_at, simulations
 from mechstyle.loop.objects import read_record, to_json
 from mechstyle.loop.store import Entry, Lane, Store, parse_address
 from mechstyle.pictures.panels import Picture, checkpoint_panels, chosen_panels, picture, styled_panel, with_protected
-from mechstyle.records import Checkpoint, Recipe, Simulation, Verdict
+from mechstyle.records import Checkpoint, Recipe, Simulation, Verdict, sentences
 from mechstyle.records.material import Material
 from mechstyle.records.mesh import QUICK_VERTICES, STANDARD_VERTICES, Field, SurfaceMesh
 from mechstyle.runs import images
@@ -169,7 +169,9 @@ class Run:
         shown = [*of_test, with_protected(restraint, bounds_for(self.part, recipe)[0].freedom == 0.0)]
         if fields:
             shown = chosen_panels(look.mesh, known_fields(self.store, self.lane, self.part, state), fields)
-        return picture([look, *shown], title=f"{self.record.name}, iteration {state.iteration}")
+        entry = self.store.find(iteration, self.lane)
+        came = sentences.untested(entry.simulated_at) if entry.verdict is None else entry.verdict.short
+        return picture([look, *shown], title=f"{self.record.name}, iteration {state.iteration}: {came}")
 
     def _repr_mimebundle_(self, **_: Any) -> dict[str, str]:
         """A picture and a table in a notebook, also where no kernel runs; the one-line form elsewhere."""

@@ -36,7 +36,7 @@ def test_what_is_known_of_the_surface_lies_beside_the_file(run, tmp_path):
 def test_a_surface_that_was_not_simulated_has_no_verdict_and_says_so(run, tmp_path, caplog):
     with caplog.at_level(logging.WARNING):
         run.export(tmp_path / "part.obj", 4)
-    assert "this iteration was not simulated; the last simulation was at 3" in caplog.text
+    assert "NOT TESTED since iteration 3: this surface was not dropped" in caplog.text
     assert json.loads(sidecar(tmp_path / "part.obj").read_text())["verdict"] is None
 
 

@@ -12,6 +12,7 @@ import pytest
 import trimesh
 from PIL import Image
 
+from mechstyle.records import sentences
 from mechstyle.runs.run import Run
 from mechstyle_widgets.jupyter import cell_output
 from mechstyle_widgets.panels.mask_inspector import LAYER
@@ -83,10 +84,10 @@ def test_a_note_on_a_folder_stays_while_one_looks_through_the_run(studio):
 def test_once_another_run_is_asked_for_everything_of_the_last_one_is_called_that(studio, cube):
     """After another part was chosen, verdict, report and 3MF of the one before stood there as if they were of it."""
     assert studio.take_away.main.description == "3MF"
-    assert "<b>Result</b>" in told(studio)
+    assert "<b>Result: " in told(studio)
     studio.part_picker.show(cube.moved(0.5 * cube.vertices), "half")
     assert studio.take_away.main.description == "3MF of part, brick"
-    assert "<b>Last run: part, brick</b>" in told(studio)
+    assert "<b>Last run: part, brick: " in told(studio)
     assert studio.run_controls.words.startswith("ready · We let it fall from 1.5 m, in simulation, about ")
     assert studio.run_controls._bar.value == 0.0
     assert studio.run_controls.title == "half, brick"
@@ -251,9 +252,9 @@ def test_a_notebook_without_a_kernel_shows_a_picture_under_its_badge(studio):
     picture = Image.open(io.BytesIO(studio.still()()))
     assert picture.format == "PNG"
     assert (np.asarray(picture.convert("L")) < 128).mean() > 0.01, "there is something to see"
-    assert studio._caption == f"part, brick: {studio.run.verdict.short}"
+    assert studio.viewer.captions[0] == f"part, brick: {sentences.marked(studio.run.verdict.short, sure=studio.run.verdict.sure)}"
     studio.prompt_box.prompt = "stone"
-    assert studio._caption == "part, stone: NOT TESTED"
+    assert studio.viewer.captions[0] == "part, stone: NOT TESTED"
 
 
 def test_the_picture_in_a_notebook_is_of_what_has_come_of_it(studio, monkeypatch):

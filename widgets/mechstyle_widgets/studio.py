@@ -16,7 +16,7 @@ from mechstyle.errors import BadInput, MechStyleError
 from mechstyle.fea.explicit import cores
 from mechstyle.gallery import PREFIX
 from mechstyle.loop.store import parse_address
-from mechstyle.records import SETTINGS, Recipe, sentences
+from mechstyle.records import SETTINGS, Recipe
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.runs.images import remember
 from mechstyle.runs.recipes import FREESTYLE, brought, draft
@@ -45,10 +45,10 @@ from mechstyle_widgets.settings.regions import RegionsPicker, covered, paintable
 from mechstyle_widgets.settings.schedule import ScheduleSelector
 from mechstyle_widgets.settings.section import Group
 from mechstyle_widgets.state.controller import Controller, Wanted
+from mechstyle_widgets.state.on_show import OnShow
 from mechstyle_widgets.state.preview import Preview, Previewer
 from mechstyle_widgets.state.studio_state import StudioState, titled
 from mechstyle_widgets.timeline.timeline import Timeline
-from mechstyle_widgets.viewer.badge import of_state
 from mechstyle_widgets.viewer.run_viewer import RunViewer
 from mechstyle_widgets.viewer.viewer import PartViewer, Viewer
 
@@ -155,19 +155,12 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
 
     def still(self) -> Callable[[], bytes] | None:
         """What draws the view under its badge."""
-        return None if self._viewer is None else self._viewer.still(self._caption)
+        return None if self._viewer is None else self._viewer.still()
 
     def renew_still(self) -> None:
         """Let the notebook have a picture of what is shown now, unless a style is on its way that will take its place."""
         if self._pictured or not self.previewer.awaited or not isinstance(self._viewer, PartViewer):
             super().renew_still()
-
-    @property
-    def _caption(self) -> str:
-        """What is on show and its badge, in one line."""
-        _, verdict = of_state(self.state)
-        tested = verdict is not None and isinstance(self._viewer, RunViewer)
-        return f"{self.state.title}: {verdict.short}" if verdict and tested else f"{self.run_controls.title}: {sentences.NOT_TESTED}"
 
     @property
     def run(self) -> Run | None:
@@ -412,6 +405,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
     def _show(self, viewer: Viewer) -> None:
         old, self._viewer = self._viewer, viewer
         self._middle.children, self._asked.children = [viewer], [viewer.lend_table(), self.pull_here]
+        self._caption()
         viewer.on_click(self.regions_picker.click)
         viewer.on_click(self.pull_here.click)
         viewer.on_click(lambda _: setattr(self._tabs, "selected_index", ASKED))
@@ -433,8 +427,19 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         done = state.status == "finished" and not state.another
         self.take_away.main.button_style = "primary" if done else ""
         self.run_controls.emphasise(clear and not done)
-        asked = titled(self.part_picker.name, self.prompt_box.prompt)
-        self.run_controls.title = state.title if self.run is not None and (self.controller.busy or not state.another) else asked
+        self.run_controls.title = state.title if self.run is not None and (self.controller.busy or not state.another) else self._asked_for
+        self._caption()
+
+    @property
+    def _asked_for(self) -> str:
+        """Part and style that are asked for."""
+        return titled(self.part_picker.name, self.prompt_box.prompt)
+
+    def _caption(self) -> None:
+        """Let pictures of a style that was not run say so."""
+        if isinstance(self._viewer, PartViewer):
+            plain = titled(self.part_picker.name, "plain")
+            self._viewer.captions = tuple(OnShow(title).caption for title in (self._asked_for, plain))
 
     def _foretell(self) -> None:
         """Say what test the next run has, and how long it will take on this machine."""
@@ -524,7 +529,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
 
     def _rested(self, _change: object) -> None:
         """What has come of a run is what its notebook is to show."""
-        if self.state.status in AT_REST:
+        if self.state.status in (*AT_REST, "paused"):
             self.renew_still()
 
     def _hatch(self, _change: object = None) -> None:

@@ -98,7 +98,7 @@ def report_page(run: LaneOfRun) -> str:
         title=f"{run.record.name}, “{run.recipe.style.prompt}”",
         style=Markup(static("report.css") + static("player.css")),
         head=_head(run, history, len(passed_steps) - 1),
-        verdict=_verdict(standing(history)[1]),
+        verdict=_untested(history[-1]) if history[-1].verdict is None else _verdict(history[-1].verdict),
         figures=_figures(run, history),
         still=still(run),
         legend=legend(),
@@ -161,6 +161,12 @@ def _head(run: LaneOfRun, history: Sequence[Row], simulations: int) -> Markup:
     )  # fmt: skip
 
 
+def _untested(last: Row) -> Markup:
+    """The head of a lane that stopped at a surface that was not tested."""
+    words = f"{sentences.untested(last.simulated_at)}: go on with the run to have this surface dropped"
+    return fill('<p class="verdict unknown"><span><strong>{words}</strong></span></p>', words=words)
+
+
 def _verdict(verdict: Verdict) -> Markup:
     """The head of the verdict, the table of tests, what is in doubt, and how it came about."""
     headings, rows = sentences.tabulated(verdict)
@@ -181,8 +187,9 @@ def _verdict(verdict: Verdict) -> Markup:
 
 def _figures(run: LaneOfRun, history: Sequence[Row]) -> Markup:
     """The figures one looks for first, beside the verdict."""
-    now, verdict = standing(history)
-    worst, shown = verdict.deciding, [("stays bent", "–", "nothing was tested")]
+    now = history[-1]
+    worst = None if now.verdict is None else now.verdict.deciding
+    shown = [("stays bent", "–", "this surface was not tested" if now.verdict is None else "the test gave no answer")]
     if worst is not None:
         name = "stays bent" if worst.stress is None else "largest stress"
         where = ", ".join(filter(None, (sentences.label(worst), worst.place, f"{sentences.allowed(worst)} allowed")))
@@ -295,7 +302,8 @@ def mimebundle(run: LaneOfRun) -> dict[str, str]:
     history = rows(run.store, run.lane)
     if not history:
         return {"text/plain": repr(run)}
-    words, lines, cells = standing(history)[1].words, list[str](), list[tuple[object, ...]]()
+    last, lines, cells = history[-1], list[str](), list[tuple[object, ...]]()
+    words = last.words or sentences.untested(last.simulated_at)
     for step in steps(run.store, history):
         outcome = sentences.marked(step.outcome, sure=step.verdict.sure)
         lines.append(f"{step.iteration:>5}  {outcome:<19}  {_worst(step)}  {step.reason}")

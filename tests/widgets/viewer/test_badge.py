@@ -8,6 +8,7 @@ import pytest
 
 from mechstyle.records import Doubt, sentences
 from mechstyle.runs.summary import little_left
+from mechstyle_widgets.state.on_show import OnShow
 from mechstyle_widgets.state.outcomes import DOUBT, LOOKS, UNTESTED
 from mechstyle_widgets.state.studio_state import StudioState
 from mechstyle_widgets.viewer import badge
@@ -15,8 +16,13 @@ from mechstyle_widgets.viewer.run_viewer import RunViewer
 from support.records import UNKNOWN, load_row, published_row, row, verdict
 
 
+def judged(one, **more):
+    """The badge of a verdict."""
+    return badge.of(OnShow("sheet, brick", verdict=one, **more))
+
+
 def test_it_says_the_outcome_with_its_fall_and_what_the_test_that_decides_found():
-    said = badge.judged(verdict(row(0.12)), kept="80% of the relief kept")
+    said = judged(verdict(row(0.12)), kept=0.8)
     assert "HOLDS a fall of 1.5 m" in said
     assert "flat: plain 0 mm, brick 0.12 mm · 80% of the relief kept" in said
     assert LOOKS["HOLDS"].fill in said
@@ -25,14 +31,14 @@ def test_it_says_the_outcome_with_its_fall_and_what_the_test_that_decides_found(
 
 
 def test_the_figures_are_those_of_the_test_that_decides():
-    said = badge.judged(verdict(row(0.12), load_row(0.61)))
+    said = judged(verdict(row(0.12), load_row(0.61)))
     assert "FAILS the load" in said
     assert "load coat: plain 0 mm, brick 0.61 mm" in said
     assert LOOKS["FAILS"].fill in said
 
 
 def test_no_worse_has_a_mark_and_a_shade_of_its_own():
-    said = badge.judged(verdict(row(0.33, plain_permanent_set=0.3, allowed=0.35, outcome="NO WORSE")))
+    said = judged(verdict(row(0.33, plain_permanent_set=0.3, allowed=0.35, outcome="NO WORSE")))
     assert "NO WORSE than the plain part" in said
     assert LOOKS["NO WORSE"].fill in said
     assert LOOKS["NO WORSE"].mark in said
@@ -40,14 +46,14 @@ def test_no_worse_has_a_mark_and_a_shade_of_its_own():
 
 def test_what_is_not_sure_has_an_amber_line_around_its_own_colour():
     doubt = Doubt(about="limit", value=0.99, test="flat", landing="flat")
-    said = badge.judged(verdict(row(0.19), doubts=(doubt,)))
+    said = judged(verdict(row(0.19), doubts=(doubt,)))
     assert f"outline:3px solid {DOUBT}" in said
     assert "not sure" in said
     assert LOOKS["HOLDS"].fill in said
 
 
 def test_no_answer_is_amber_and_has_no_figure():
-    said = badge.judged(UNKNOWN)
+    said = judged(UNKNOWN)
     assert "UNKNOWN" in said
     assert "the integration blew up" in said
     assert LOOKS["UNKNOWN"].fill in said
@@ -56,7 +62,7 @@ def test_no_answer_is_amber_and_has_no_figure():
 
 def test_where_the_mouse_rests_it_says_how_the_part_is_judged_and_every_figure():
     found = verdict(row(0.12), load_row(0.33, plain_permanent_set=0.3, allowed=0.35, outcome="NO WORSE"))
-    title = badge.judged(found).split('title="')[1].split('">')[0]
+    title = judged(found).split('title="')[1].split('">')[0]
     for sentence in sentences.EXPLANATION:
         assert escape(sentence) in title
     for line in sentences.tabulated(found)[1]:
@@ -74,20 +80,20 @@ def test_words_on_a_badge_can_be_read(look):
     assert (high + 0.05) / (low + 0.05) >= 4.5
 
 
-def test_it_tells_of_the_last_test_and_when_that_was_in_grey(done):
+def test_a_surface_that_was_not_tested_says_so_in_grey_and_since_when(done):
     state = StudioState(done)
     viewer = RunViewer(state)
     state.iteration = 4
     found = state.row(4).verdict
     assert LOOKS[found.outcome].fill in viewer.badge._words.value
     state.iteration = 6
-    assert escape(found.short) in viewer.badge._words.value
-    assert "tested at iteration 4" in viewer.badge._words.value
-    assert f"background:{UNTESTED.fill}" in viewer.badge._words.value
-    assert LOOKS[found.outcome].fill not in viewer.badge._words.value
+    said = viewer.badge._words.value
+    assert sentences.NOT_TESTED in said
+    assert "since iteration 4" in said
+    assert f"background:{UNTESTED.fill}" in said
+    assert not any(outcome in said.partition("</style>")[2] for outcome in LOOKS), "that was another surface"
     state.iteration = 12
-    assert "tested at" not in viewer.badge._words.value
-    assert f"background:{UNTESTED.fill}" not in viewer.badge._words.value
+    assert sentences.NOT_TESTED not in viewer.badge._words.value
 
 
 @pytest.mark.parametrize("left", [0.33, 0.95])
@@ -96,11 +102,12 @@ def test_where_little_of_the_style_is_left_it_says_so_and_what_to_try(done, monk
     notes = tuple(filter(None, ("drawn with care", little_left(left, "auto"))))
     monkeypatch.setattr(type(done), "summary", property(lambda _run: SimpleNamespace(kept=left, notes=notes)))
     state = StudioState(done)
-    said, _ = badge.of_state(state)
+    viewer = RunViewer(state)
+    said = viewer.badge._words.value
     assert f"{left:.0%} of the relief kept" in said
     assert [note for note in notes if escape(note) in said] == [note for note in notes if "outwards" in note]
     state.iteration = 8
-    assert "outwards" not in badge.of_state(state)[0]
+    assert "outwards" not in viewer.badge._words.value
 
 
 def test_the_worst_place_is_flown_to_and_asked_about(done):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
 from html import escape
 from typing import Any
 
@@ -23,6 +22,7 @@ from mechstyle_widgets.jupyter.language import word
 from mechstyle_widgets.jupyter.looks import lean, show, unheard
 from mechstyle_widgets.settings.section import WIDE, Section, Words, control, table
 from mechstyle_widgets.state.controller import Controller
+from mechstyle_widgets.state.on_show import share_kept
 from mechstyle_widgets.state.outcomes import LOOKS
 from mechstyle_widgets.state.studio_state import FREE
 from mechstyle_widgets.viewer.badge import worst_vertex
@@ -165,7 +165,7 @@ class Branches(Section):
         if one.verdict is None or other.verdict is None:
             return ""
         names = self.state.called(FREE), self.state.called(self.lane)
-        return side_by_side(names, (one.verdict, other.verdict), (share_kept(free, one), share_kept(fed, other)))
+        return side_by_side(names, (one.verdict, other.verdict), (_share_kept(free, one), _share_kept(fed, other)))
 
     def _list(self, _change: object = None) -> None:
         names = [branch.lane for branch in self.state.branches]
@@ -269,16 +269,12 @@ def said_of(verdict: Verdict) -> str:
 
 def kept(run: Run, row: Row) -> str:
     """Share of the relief that is left at the end of a lane, as a table cell."""
-    share = share_kept(run, row)
+    share = _share_kept(run, row)
     return "–" if share is None else f"{share:.0%}"
 
 
-def share_kept(run: Run, row: Row) -> float | None:
-    """Share of the relief that is left at the end of a lane, which its summary knows; None before the end."""
-    with suppress(MechStyleError):  # there is no summary before
-        if row.iteration == run.recipe.schedule.iterations:
-            return run.summary.kept
-    return None
+def _share_kept(run: Run, row: Row) -> float | None:
+    return share_kept(run) if row.iteration == run.recipe.schedule.iterations else None
 
 
 def said(value: Any) -> str:

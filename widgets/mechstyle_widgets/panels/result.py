@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from contextlib import suppress
 from html import escape
 from typing import Any
 
-from mechstyle.errors import MechStyleError
 from mechstyle.loop.history import standing
-from mechstyle.records import Row, Verdict, sentences
+from mechstyle.records import Row, sentences
 from mechstyle.runs.run import Run
 from mechstyle.runs.summary import little_left
 from mechstyle.simulation.estimate import landings_on_the_way, plan_of
 from mechstyle_widgets.jupyter.language import said, word
 from mechstyle_widgets.panels.branches import kept, said_of
 from mechstyle_widgets.settings.section import WIDE, Words, table
+from mechstyle_widgets.state.on_show import OnShow, on_show
 from mechstyle_widgets.state.studio_state import StudioState
 
 LANES = ("run", "outcome", "kept")
@@ -24,7 +23,7 @@ MOST = 4
 
 
 class Result(Words):
-    """The steps of a run before there is one, then the table of tests of the lane on show and the outcome of every lane."""
+    """The steps of a run before there is one, then three figures of what is on show, and behind them all that is known of it."""
 
     def __init__(self, state: StudioState) -> None:
         """Tell of what a state shows."""
@@ -35,38 +34,37 @@ class Result(Words):
         self._tell()
 
     def _tell(self, _change: object = None) -> None:
-        history = self._state.histories.get(self._state.lane, [])
-        if self._state.run is not None and any(row.verdict is not None for row in history):
-            _, verdict = standing(history)
-            head = word("Last run: {}").format(self._state.title) if self._state.another else word("Result")
-            lanes = list(self._judged())
-            self.say(f"<b>{escape(head)}</b>{of_verdict(verdict)}{table(LANES, lanes) if lanes else ''}{self._weight()}{self._notes()}")
-        else:
+        shown = on_show(self._state)
+        if shown is None:
             items = "".join(f"<li>{escape(said(step))}</li>" for step in steps(self._state.settings))
             self.say(f"<b>{escape(word('What will happen'))}</b><ol>{items}</ol>")
+            return
+        head = word("Last run: {}").format(shown.title) if self._state.another else word("Result")
+        lanes = list(self._judged())
+        judged, doubt = of_show(shown)
+        more = f"{judged}{table(LANES, lanes) if lanes else ''}{self._notes()}"
+        folded = f"<details><summary>{escape(word('More about it'))}</summary>{more}</details>"
+        self.say(f"<b>{escape(head)}: {escape(said(shown.words))}</b>{figures(shown, *self._weight())}{doubt}{folded}")
 
-    def _weight(self) -> str:
-        """HTML of what the part on show weighs beside the plain one, "" for what encloses nothing."""
+    def _weight(self) -> tuple[str, str]:
+        """What the part on show weighs, printed solid, and in a few words the plain one and its filament; "" for what encloses nothing."""
         run, shown = self._state.run, self._state.checkpoint
         if run is None or shown is None or (plain := run.part.surface.volume) <= 0.0:
-            return ""
-        density, styled = run.recipe.test.material.density, run.part.surface.displaced(shown.displacement).volume
-        words, price = said(weighed(density * styled, density * plain)), self._state.price
-        if price:
-            costs = (f"{1e-3 * price * density * volume:.2f}" for volume in (styled, plain))
-            words += " " + word("Its filament costs {}, that of the plain part {}, at {} per kg.").format(*costs, f"{price:g}")
-        return f'<div class="mechstyle-note">{escape(words)}</div>'
+            return "", ""
+        density, styled, price = run.recipe.test.material.density, run.part.surface.displaced(shown.displacement).volume, self._state.price
+        digits = 0 if density * plain >= 20.0 else 1
+        costs = word("{} of your currency").format(f"{1e-3 * price * density * styled:.2f}") if price else ""
+        beside = word("plain {} g").format(f"{density * plain:.{digits}f}")
+        return f"{density * styled:.{digits}f} g", ", ".join(filter(None, (costs, beside)))
 
     def _notes(self) -> str:
         """HTML of what else is known of the finished lane on show, "" before its end; the badge says how little is left of its style."""
-        run, state = self._state.run, self._state
-        with suppress(MechStyleError):  # there is no summary before the end
-            if run is not None and state.iteration == state.iterations_done:
-                little = little_left(run.summary.kept, run.recipe.style.side)
-                items = "".join(f"<li>{escape(said(note))}</li>" for note in run.summary.notes if note != little)
-                head = f"<summary>{escape(word('More about it'))}</summary>"
-                return f'<details class="mechstyle-note">{head}<ul>{items}</ul></details>' if items else ""
-        return ""
+        run, shown = self._state.run, on_show(self._state)
+        if run is None or shown is None or shown.kept is None:
+            return ""
+        little = little_left(shown.kept, run.recipe.style.side)
+        items = "".join(f"<li>{escape(said(note))}</li>" for note in run.summary.notes if note != little)
+        return f"<ul>{items}</ul>" if items else ""
 
     def _judged(self) -> Iterator[tuple[str, str, str]]:
         """Name, outcome and relief kept of each lane that was tested since it began."""
@@ -78,8 +76,28 @@ class Result(Words):
                 yield self._state.called(lane), said_of(verdict), kept(Run(run.store, lane, run.device), row)
 
 
-def of_verdict(verdict: Verdict) -> str:
-    """HTML of a verdict: its outcome in a sentence, its worst tests, how much it carries, and the doubt where there is one."""
+def figures(shown: OnShow, weight: str, beside: str) -> str:
+    """HTML of three figures of what is on show, each with a few words: what stays bent, the style that is left, what it weighs."""
+    row = None if shown.verdict is None else shown.verdict.deciding
+    bent, about = "–", said(shown.words)
+    if row is not None:
+        plain = [] if row.plain_permanent_set is None else [word("plain {}").format(sentences.bend(row.plain_permanent_set))]
+        bent, about = said(sentences.found(row)), ", ".join([word("allowed {}").format(sentences.allowed(row)), *plain])
+    kept = ("–", word("known at the end")) if shown.kept is None else (f"{shown.kept:.0%}", "")
+    named = [(bent, "stays bent" if row is None or row.stress is None else "largest stress", about), (kept[0], "style kept", kept[1])]
+    if weight:
+        named.append((weight, "printed solid", beside))
+    cells = (
+        f"<div><dt>{escape(word(name))}</dt><dd>{figure}</dd><dd><small>{escape(more)}</small></dd></div>" for figure, name, more in named
+    )
+    return f'<dl class="mechstyle-figures">{"".join(cells)}</dl>'
+
+
+def of_show(shown: OnShow) -> tuple[str, str]:
+    """HTML of the verdict on what is on show: the outcome in a sentence, its worst tests, how much it carries; and of its doubt."""
+    if shown.verdict is None:
+        return "", ""
+    verdict = shown.verdict
     (headings, rows), doubt = sentences.tabulated(verdict), sentences.doubt(verdict)
     falls = table(headings, rows) if rows else ""
     if len(rows) > MOST:  # a standard has 27
@@ -91,13 +109,7 @@ def of_verdict(verdict: Verdict) -> str:
     for words in filter(None, map(carried, verdict.rows)):
         falls += f'<div class="mechstyle-note">{escape(said(words))}</div>'
     unsure = f'<div class="mechstyle-warning" role="status">{escape(said(doubt))}</div>' if doubt else ""
-    return f"<div>{escape(said(verdict.head))}</div>{falls}{unsure}"
-
-
-def weighed(styled: float, plain: float) -> str:
-    """What a part printed solid weighs beside the plain part [g]."""
-    figures = 0 if plain >= 20.0 else 1
-    return f"Printed solid it weighs {styled:.{figures}f} g, the plain part {plain:.{figures}f} g."
+    return f"<div>{escape(said(verdict.head))}</div>{falls}", unsure
 
 
 def carried(row: Row) -> str:

@@ -19,6 +19,7 @@ from mechstyle_widgets.jupyter.language import word
 from mechstyle_widgets.jupyter.looks import lean, show
 from mechstyle_widgets.jupyter.throttle import in_a_thread, running_loop
 from mechstyle_widgets.settings.section import Section
+from mechstyle_widgets.state.on_show import on_show
 from mechstyle_widgets.state.studio_state import StudioState
 from mechstyle_widgets.state.troubles import sentence
 
@@ -70,11 +71,11 @@ class TakeAway(Section):
 
     def _offer(self, _change: object = None) -> None:
         """Nothing is to take before there is an iteration; where what is asked for is another, the button names whose file it is."""
-        state = self.state
+        state, shown = self.state, on_show(self.state)
         show(self, state.checkpoint is not None)
         self.main.description = word("3MF of {}").format(state.title) if state.another else "3MF"
         for name, button in self._buttons.items():
-            whose = f": {state.title}, {word('iteration')} {state.iteration}" if state.checkpoint is not None else ""
+            whose = "" if shown is None else f": {shown.caption}"
             button.tooltip = self._tooltips[name] + whose
         self.note("")
         self.complain("")

@@ -169,7 +169,11 @@ class StudioState(traitlets.HasTraits):
     @property
     def length(self) -> int:
         """Iterations that the lane on show is to have."""
-        return next((branch.iterations for branch in self.branches if branch.lane == self.lane), 1)
+        return self.end_of(self.lane)
+
+    def end_of(self, lane: str) -> int:
+        """The same of any lane; 1 where it is not there."""
+        return next((branch.iterations for branch in self.branches if branch.lane == lane), 1)
 
     def open(self, run: Run, *, follow: bool = True) -> None:
         """Show a lane of a run, opened at that lane, at its newest iteration, or without `follow` at the one on show."""

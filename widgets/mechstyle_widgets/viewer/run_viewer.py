@@ -14,9 +14,10 @@ from mechstyle.pictures.panels import exaggeration
 from mechstyle.records import Checkpoint
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.runs.run import Run
-from mechstyle_widgets.jupyter.language import word
+from mechstyle.runs.summary import little_left
 from mechstyle_widgets.jupyter.looks import sharing
 from mechstyle_widgets.jupyter.throttle import Newest, Paced
+from mechstyle_widgets.state.on_show import OnShow, on_show
 from mechstyle_widgets.state.studio_state import Linked, StudioState
 from mechstyle_widgets.viewer import badge
 from mechstyle_widgets.viewer.impact_player import DEFORMED, ImpactPlayer
@@ -87,6 +88,7 @@ class RunViewer(Linked, Viewer):
         self.observe(self._judge, ("compared", "insight"))
         self.observe(self._fall_together, ("beside", "compared", "also"))
         state.observe(self._fall_once, "falls")
+        self._name((self._drawn_place, *self._places))
         self._judge()
 
     def let_go(self) -> None:
@@ -117,10 +119,7 @@ class RunViewer(Linked, Viewer):
         if run is not None:
             with self.hold_trait_notifications():
                 shown = (self._drawn_place, *places)
-                self.names = tuple(map(self._named, shown)) if self.compared else ("styled", "plain")
-                # each pane has a badge of its own; beside the plain part the badge over the view is that of what is styled
-                outcomes = [badge.outcome(self._state.row(iteration, lane)) for lane, iteration in shown]
-                self.outcomes = tuple(outcomes) if self.compared else ("", *outcomes[1:])
+                self._name(shown)
                 others = [(Run(run.store, lane, run.device), iteration) for lane, iteration in places]
                 self._rests = tuple(subject_of(other, other.checkpoint(iteration)) for other, iteration in others)
                 self.original, self.third = self._rests[0], self._rests[1] if len(self._rests) > 1 else None
@@ -152,11 +151,14 @@ class RunViewer(Linked, Viewer):
             self.player.land(worst.landing)
         self.player.play(once=True)
 
-    def _named(self, place: tuple[str, int]) -> str:
-        """What a pane is called: its lane, and its iteration where that is not the end."""
-        lane, iteration = place
-        end = next((branch.iterations for branch in self._state.branches if branch.lane == lane), iteration)
-        return self._state.called(lane) if iteration == end else word("{}, iteration {}").format(self._state.called(lane), iteration)
+    def _name(self, shown: tuple[tuple[str, int], ...]) -> None:
+        """Say of each pane what it is and what came of it; beside the plain part the badge over the view is that of what is styled."""
+        panes = [pane for place in shown if (pane := on_show(self._state, *place)) is not None]
+        self.captions = tuple(pane.caption for pane in panes)
+        if self.compared:
+            self.names, self.outcomes = tuple(pane.pane for pane in panes), tuple(map(badge.of_pane, panes))
+        else:
+            self.names, self.outcomes = ("styled", "plain"), ("", *map(badge.of_pane, panes[1:]))
 
     @property
     def _drawn_place(self) -> tuple[str, int]:
@@ -166,20 +168,32 @@ class RunViewer(Linked, Viewer):
     def _judge(self, _change: Any = None) -> None:
         if self._state.run is None or self._state.run.store.place != self._place:
             return
-        words, verdict = badge.of_state(self._state)
         if self.insight and self.compared:
             self.badge.say(badge.insight(self.insight), self.fly_to_worst)
             return
-        self.badge.say(words, None if verdict is None or verdict.outcome == "UNKNOWN" else self.fly_to_worst)
+        state, shown = self._state, on_show(self._state)
+        if shown is None:
+            self.badge.say("")
+            return
+        last = f"{'This' if state.busy else 'Last'} run: {shown.title}" if state.another else ""
+        verdict = shown.verdict
+        self.badge.say(badge.of(shown, last=last, little=self._little(shown)), self.fly_to_worst if verdict and verdict.rows else None)
+
+    def _little(self, shown: OnShow) -> str:
+        """What to try where little of the style is left at the end, which the summary knows; "" where enough is."""
+        run = self._state.run
+        if run is None or shown.kept is None:
+            return ""
+        little = little_left(shown.kept, run.recipe.style.side)
+        return little if little in run.summary.notes else ""
 
     def fly_to_worst(self) -> None:
         """Look at the place that decides."""
-        run, shown = self._state.run, self._state.checkpoint
-        _, verdict = badge.of_state(self._state)
-        if run is None or shown is None or verdict is None:
+        shown, checkpoint = on_show(self._state), self._state.checkpoint
+        if shown is None or checkpoint is None or shown.verdict is None:
             return
         try:
-            self._fly_to(badge.worst_vertex(self._still.mesh, shown, verdict))
+            self._fly_to(badge.worst_vertex(self._still.mesh, checkpoint, shown.verdict))
         except Exception as error:  # noqa: BLE001 — whatever it is, it is said
             self._state.alert(error)
 
@@ -195,9 +209,7 @@ class RunViewer(Linked, Viewer):
         self._drawn, self._drawn_lane = wish.state.iteration, wish.run.lane
         self._still = seen
         with self.hold_trait_notifications():
-            if self.compared:
-                self.names = (self._named(self._drawn_place), *self.names[1:])
-                self.outcomes = (badge.outcome(self._state.row(self._drawn, self._drawn_lane)), *self.outcomes[1:])
+            self._name((self._drawn_place, *self._places))
             self._magnify()
             self._show_moment()
         if not self._state.busy:

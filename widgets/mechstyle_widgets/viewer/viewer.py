@@ -70,6 +70,7 @@ class Viewer(Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipy
         beside: Whether the original is shown beside it, moving along with the mouse.
         names: What they are called where they stand side by side.
         outcomes: HTML of the verdict on each of them, which may be "".
+        captions: What a picture says of each of them: what it is and whether it holds.
         stepped: Whether a field is shown in BANDS colours instead of many.
         markers: Whether the greatest (ring) and the least value (triangle) are marked.
         protected: Whether the style must leave each vertex as it is, which is hatched, shape [vertex_count]; None for nothing.
@@ -92,6 +93,7 @@ class Viewer(Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipy
     beside = traitlets.Bool(False)
     names = traitlets.Tuple(default_value=("styled", "plain"))
     outcomes = traitlets.Tuple()
+    captions = traitlets.Tuple()
     stepped = traitlets.Bool(False)
     markers = traitlets.Bool(True)
     protected = traitlets.Instance(np.ndarray, None, allow_none=True)
@@ -202,11 +204,17 @@ class Viewer(Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipy
 
     def picture(self, title: str = "") -> Picture:
         """The view, cut open as it is, without the hatching of protected regions, rendered in the kernel: `.save(path)` writes the PNG."""
-        return picture(self._panels(), title=title)
+        return picture(self._panels(), title=self._heading or title)
+
+    @property
+    def _heading(self) -> str:
+        """Caption of what stands there alone; of several each has its own."""
+        return self.captions[0] if self.captions and len(self._shown) == 1 else ""
 
     def _panels(self) -> list[Panel]:
         shown, seen, made = self._shown, self._orbit.seen, []
-        for subject, layer, title in zip(shown, self._layers, self.names if len(shown) > 1 else ("",), strict=False):
+        titles = (self.captions or self.names) if len(shown) > 1 else ("",)
+        for subject, layer, title in zip(shown, self._layers, titles, strict=False):
             if layer is None:
                 made.append(Panel(self.section.applied(subject.mesh)[0], title, view=seen))
                 continue
@@ -215,9 +223,9 @@ class Viewer(Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipy
             made.append(Panel(mesh, title, values, *how))
         return made
 
-    def still(self, title: str = "") -> Callable[[], bytes]:
+    def still(self) -> Callable[[], bytes]:
         """What draws the view as it is now."""
-        panels = self._panels()
+        panels, title = self._panels(), self._heading
         return lambda: picture(panels, title=title).png
 
     @property
