@@ -39,8 +39,8 @@ test-trust: .venv/dev.stamp ## kill 155 runs at seeded moments and compare what 
 fuzz: .venv/dev.stamp ## read 10 000 damaged and hostile files and command lines
 	$(BIN)/python benchmarks/fuzz.py
 
-lab: .venv/lab.stamp ## open the notebooks in JupyterLab; installs what a lesson needs and no more
-	$(BIN)/jupyter lab --notebook-dir=notebooks
+lab: .venv/lab.stamp ## open the Studio and the lessons in JupyterLab; installs what a lesson needs and no more
+	$(BIN)/jupyter lab --notebook-dir=notebooks notebooks/00_studio.ipynb
 
 docs: .venv/docs.stamp ## build/site/index.html, with all notebooks executed; NOTEBOOKS=off shows them as they are stored
 	$(BIN)/python docs/site/prose.py

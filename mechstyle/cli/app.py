@@ -11,7 +11,7 @@ from rich.markup import escape
 from typer.core import TyperGroup
 
 from mechstyle import __version__
-from mechstyle.cli import demo, doctor, finished, inspect_run, lists, run, simulate, weights
+from mechstyle.cli import demo, doctor, finished, inspect_run, lists, run, simulate, studio, weights
 from mechstyle.cli.console import print_json
 
 UsageError: type[Exception] = typer.BadParameter.__bases__[0]
@@ -19,7 +19,7 @@ UsageError: type[Exception] = typer.BadParameter.__bases__[0]
 AS_JSON = "mechstyle.as_json"
 """What a context remembers of the command line, of which nothing is left once it is parsed."""
 PANELS = {
-    "Style and test": ("run", "freestyle", "branch", "simulate"),
+    "Style and test": ("studio", "run", "freestyle", "branch", "simulate"),
     "Look at a run, take it out": ("log", "show", "report", "film", "export", "orient", "rerun", "gc"),
     "What there is to choose from": ("gallery", "styles", "materials", "protect", "weights", "doctor"),
     "Lessons and research": ("demo", "class"),
@@ -83,7 +83,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode="rich",
 )
-for family in (run, simulate, demo, inspect_run, finished, lists, doctor, weights):
+for family in (run, simulate, demo, inspect_run, finished, lists, doctor, weights, studio):
     app.add_typer(family.app)
 
 

@@ -86,6 +86,3 @@ def test_what_python_sets_is_what_the_mouse_sets(shown):
     shown.until(where(shown), "('frozen', 1, 1, 1, 1)")
     shown.changed(timeline, drawn, 0.001)
     shown.changed(shown.canvas(), before, 0.003)
-    shown.page.get_by_label("curve").select_option("change since the last test")
-    shown.until("timeline.curve", "travel")
-    shown.keep("timeline-travel")

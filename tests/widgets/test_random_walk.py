@@ -27,8 +27,7 @@ PATIENCE = 30.0
 ACTIONS = 200
 PROMPTS = ("brick", "small wood", "outside: stone; rim: gold studs", "nonsense", "", "5 mm bricks, blue")
 REGIONS = ("", "inside", "box 0 0 0 10 10 10", "sphere 900 0 0 1", "a circle", "below 5\nbox 0 0 0 5 5 5 ramp 2")
-FOLDERS = ("", "mine", "other")
-SMALL = {"detail": (64, 100), "iterations": (6, 12)}
+SMALL = {"iterations": (6, 12)}
 """What a run of no time can have."""
 SOLID = "thicken [mm]"
 """What asks for a drop test before a run begins: a sheet has no volume."""
@@ -56,7 +55,7 @@ def send(widget: ipywidgets.Widget, value: Any) -> None:
 
 def text_for(widget: Any, rng: random.Random) -> str:
     words = f"{widget.description} {widget.placeholder}"
-    known = {"small blue stones": PROMPTS, "region": REGIONS, "folder": FOLDERS, "new lane": ("", "soft", "../away", "hard")}
+    known = {"small blue stones": PROMPTS, "region": REGIONS, "new lane": ("", "soft", "../away", "hard")}
     return rng.choice(next((texts for sign, texts in known.items() if sign in words), ("", "nowhere.stl", "nowhere.toml")))
 
 

@@ -93,6 +93,7 @@ def test_another_prompt_then_another_part_then_another_resolution(studio, cube, 
     assert studio.state.run.store.root != first
     half = cube.moved(0.5 * cube.vertices)
     studio.part_picker.show(half, "half")
+    studio.drop_options.vertices = 64  # another part is as fine as parts usually are
     studio.go(early=early)
     assert_shows(studio, sheet_of(half, 64), "stone")
     studio.drop_options.vertices = 100
@@ -130,6 +131,7 @@ def test_a_part_that_could_not_be_prepared_is_not_taken_for_the_one_before(studi
     studio.go()
     half = cube.moved(0.5 * cube.vertices)
     studio.part_picker.show(half, "half")
+    studio.drop_options.vertices = 64
 
     def refused(*_args, **_options):
         raise BadInput("this part cannot be meshed")

@@ -6,14 +6,16 @@ import pytest
 from mechstyle import teaching
 from mechstyle.errors import BadInput
 from mechstyle.records.load_cases import Load, LoadCase, Support
+from mechstyle.records.recipe import DEFAULTS
 from mechstyle.records.regions import regions
 from mechstyle.runs.recipes import draft
 from mechstyle.runs.run import Run
 from mechstyle.runs.stylizers import FinishedStyle
 from mechstyle.simulation.part import Shape
 from mechstyle_widgets.jupyter.cell_output import OncePerCell
+from mechstyle_widgets.settings.drop import SIZES
 from mechstyle_widgets.state.preview import Preview, Previewer
-from mechstyle_widgets.studio import Studio
+from mechstyle_widgets.studio import OF_A_PART, Studio
 from mechstyle_widgets.viewer.run_viewer import RunViewer
 from support.models import alive
 
@@ -136,6 +138,30 @@ def test_another_part_is_shown_at_once():
     studio.part_picker._gallery.press("vase")
     assert studio._viewer is not before
     assert np.allclose(studio._viewer.subject.mesh.extents, studio.part_picker.mesh.extents)
+
+
+def test_another_part_has_defaults_of_its_own_and_one_undo_brings_all_back(cube):
+    """The first click on another part smeared one brick over a cup: it had the sizes and the vertices of the pawn."""
+    given = {"relief": 3.0, "side": "inwards", "feature": 9.0, "protect": ["sphere 0 0 0 2"], "vertices": 1382, "strengthen": 1.0}
+    studio = Studio(cube, prompt="stone", height="2 m", **given)
+    before = studio._all_settings()
+    studio.part_picker.choose("gallery:wall_hook")
+    wanted = studio.wanted()
+    assert all(wanted.recipe.settings[name] == DEFAULTS[name] for name in OF_A_PART)
+    assert (wanted.vertices, studio.drop_options.sizes.value) == (SIZES["Try it"], SIZES["Try it"])
+    assert studio.part_picker._gallery.value == "wall_hook"
+    assert (wanted.recipe.style.prompt, wanted.recipe.test.height) == ("stone", 2000.0), "what is asked of any part stays"
+    studio.step_back()
+    assert studio._all_settings() == before
+    studio.step_back(forward=True)
+    assert studio.wanted().vertices == SIZES["Try it"]
+
+
+@pytest.mark.parametrize(("count", "marked"), [(3988, 4000), (4000, 4000), (3500, None), (99_120, 100_000)])
+def test_how_fine_it_is_is_marked_where_remeshing_gave_a_few_vertices_more_or_less(cube, count, marked):
+    studio = Studio(cube, vertices=count)
+    assert studio.drop_options.sizes.value == marked
+    assert studio.wanted().vertices == count
 
 
 def test_what_is_painted_is_hatched_at_once_and_reaches_the_recipe():
@@ -355,8 +381,8 @@ def test_one_button_is_filled_and_it_leads_on(done):
 def test_what_is_told_of_a_place_does_not_push_the_timeline_down(done):
     studio = Studio(done)
     studio.viewer.probed = 3
-    told, _pull = studio._asked.children
-    assert "vertex 3" in told.value
+    _pull, told = studio._asked.children
+    assert "place" in told.value
     assert "mm" in studio.viewer._said.value
     assert told not in studio.viewer._foot.children
 

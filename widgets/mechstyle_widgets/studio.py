@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,7 @@ from mechstyle.gallery import PREFIX
 from mechstyle.loop.store import parse_address
 from mechstyle.records import SETTINGS, Recipe
 from mechstyle.records.mesh import SurfaceMesh
+from mechstyle.records.recipe import DEFAULTS
 from mechstyle.runs.images import remember
 from mechstyle.runs.recipes import FREESTYLE, brought, draft
 from mechstyle.runs.run import Run
@@ -60,6 +62,8 @@ ASKED = 2
 """The tab that tells what is known of the place that was clicked."""
 SECTIONS = (PromptBox, MaterialPicker, ControlSelector, ScheduleSelector, RegionsPicker, DropOptions)
 SHOWN = {field for section in SECTIONS for field in section.FIELDS}
+OF_A_PART = ("relief", "amplitude", "side", "feature", "image_size", "protect", "loads", "minimum_wall", "strengthen")
+"""Fields of a recipe that are meant for one part: lengths on it and places of it."""
 UNSEEN = tuple(name for name in SETTINGS if name not in SHOWN)
 """Fields of a recipe without a control: what a run was opened with, or was given by name, stays."""
 
@@ -85,8 +89,9 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
 
     @sharing()
     def __init__(
-        self, part: str | Path | SurfaceMesh | Run | None = None, *, theme: str = "auto", language: str = "en", **settings: Any
-    ) -> None:
+        self, part: str | Path | SurfaceMesh | Run | None = None, *,
+        theme: str = "auto", language: str = "en", filled: bool = False, **settings: Any,
+    ) -> None:  # fmt: skip
         """Open a part, or a run that was made before. The Studio is as wide as its cell.
 
         Args:
@@ -94,6 +99,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
                 of the lessons, in their style.
             theme: `light` or `dark`, or `auto`, which follows the notebook's.
             language: What its controls are called in: `en` or `de`; of all Studios of this kernel that are made from now on.
+            filled: Whether it fills the window from the beginning on.
             settings: Any of `prompt`, `material`, `freestyle`, `vertices`, `device`, `folder`, `scale`, and settings of a recipe.
 
         Raises:
@@ -111,7 +117,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self._make_sections("" if run is not None else part, settings)
         self._undo = Undo(self._all_settings, self._give_all)
         self._changed()  # the timeline begins with the plan: what a figure gets before a page shows it may get lost
-        self.frame, self._size = Frame(), SIZE
+        self.frame, self._size = Frame(filled=filled), SIZE
         traitlets.link((self.frame, "calm"), (self.state, "calm"))
         self.take_away = TakeAway(self.state, self.frame)
         self.previewer = Previewer(self._heard(self._arrived), self._heard(self._not_drawn))
@@ -292,13 +298,13 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
 
     def _give_all(self, settings: dict[str, Any]) -> None:
         self._unseen = dict(settings["unseen"])
+        model, scale, body, mesh, name = settings["part"]
+        if mesh is not self.part_picker.mesh and mesh is not None:  # it brings defaults of its own
+            self.part_picker.choose(model, scale, body) if model else self.part_picker.show(mesh, name)
         # the method of a criterion is among the settings
         with unheard(self.drop_options, self._other_criterion, "criterion"), self.state.hold_trait_notifications():
             for name, section in self._owners.items():
                 setattr(section, name, settings[name])
-        model, scale, body, mesh, name = settings["part"]
-        if mesh is not self.part_picker.mesh and mesh is not None:
-            self.part_picker.choose(model, scale, body) if model else self.part_picker.show(mesh, name)
 
     def _take(self, run: Run) -> None:
         remember(run.recipe, run.store)  # its picture may come from another machine
@@ -325,14 +331,31 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self.state.settings = {**self._chosen, **(FREESTYLE if self.control_selector.freestyle else {})}
         self._undo.note()
 
-    def _other_part(self, _change: object = None) -> None:
-        """A part was picked: show its run if there is one at hand, else the part as it is."""
+    def _other_part(self, change: object = None) -> None:
+        """A part was picked: show its run if there is one at hand, else the part as it is, with defaults of its own."""
         mesh = self.part_picker.mesh
+        if change is not None and mesh is not None:
+            self._give_defaults(mesh)
         self.state.part = "" if mesh is None else mesh.digest
         self._undo.note()
         if mesh is not None and not self._show_its_run():
             self._show_part(mesh)
             self._preview()
+
+    def _give_defaults(self, mesh: SurfaceMesh) -> None:
+        """Ask for nothing that was meant for the part before: sizes on it, places of it, how fine it was; its own run has its own."""
+        run, vertices = self.run, self.controller.began_with(mesh)
+        if mesh is self._opened_mesh:
+            if run is None or run.store.place != self._opened_place:  # it is being opened, with its settings
+                return
+            vertices = len(mesh.vertices)
+        with self._undo.as_one(), self.state.hold_trait_notifications():
+            if vertices is not None and run is not None:
+                self._take_recipe(run.recipe)
+            else:
+                for name in OF_A_PART:
+                    setattr(self._owners[name], name, DEFAULTS[name])
+            self.drop_options.vertices = vertices or SIZES["Try it"]
 
     def _show_its_run(self) -> bool:
         """Show the run of the part that is chosen, if one is at hand and there is anything to see of it; whether it is on show."""
@@ -340,7 +363,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         if run is None or mesh is None or self.state.checkpoint is None:
             return False
         opened = mesh is self._opened_mesh and run.store.place == self._opened_place
-        if (not opened and not self.controller.began_with(mesh)) or self._looks_otherwise():
+        if (not opened and self.controller.began_with(mesh) is None) or self._looks_otherwise():
             return False
         if not isinstance(self._viewer, RunViewer):
             self.previewer.cancel()
@@ -404,7 +427,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
 
     def _show(self, viewer: Viewer) -> None:
         old, self._viewer = self._viewer, viewer
-        self._middle.children, self._asked.children = [viewer], [viewer.lend_table(), self.pull_here]
+        self._middle.children, self._asked.children = [viewer], [self.pull_here, viewer.lend_table()]
         self._caption()
         viewer.on_click(self.regions_picker.click)
         viewer.on_click(self.pull_here.click)
@@ -490,6 +513,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         except MechStyleError:  # what is wrong is said where it is set
             self.previewer.cancel()
             self._viewer.take_off()
+            self.prompt_box.enlarge(None)
             return
         if self.previewer.ask(mesh, self.drop_options.vertices, recipe):
             self._viewer.wait()
@@ -513,6 +537,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         else:
             drawn = "at once" if preview.seconds < 0.05 else f"in {preview.seconds:.1f} s"
             viewer.put_on(preview.surface, f"Changes as you choose · drawn {drawn}")
+        self.prompt_box.enlarge(preview.enlarged(self.drop_options.vertices), partial(setattr, self.drop_options, "vertices"))
         self._hatch()
         self._picture_first()
 

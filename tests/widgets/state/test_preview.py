@@ -5,7 +5,9 @@ import threading
 
 import numpy as np
 import pytest
+import trimesh
 
+from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.runs.recipes import draft
 from mechstyle.runs.stylizers import finished_style
 from mechstyle.simulation.part import Shape
@@ -237,3 +239,23 @@ def test_what_was_made_ready_before_needs_no_other_process(cube, monkeypatch):
     again = shape_aside(cube, FEW, lambda: None)
     assert again.surface.digest == first.surface.digest
     np.testing.assert_array_equal(again.thickness, first.thickness)
+
+
+@pytest.fixture
+def ball() -> SurfaceMesh:
+    sphere = trimesh.creation.icosphere(subdivisions=4, radius=20.0)
+    return SurfaceMesh(sphere.vertices, sphere.faces)
+
+
+def test_a_pattern_that_its_mesh_does_not_carry_says_how_much_larger_it_is_and_what_would(ball):
+    """What was drawn three times larger was said after the run, in a list that was folded away."""
+    recipe = draft("brick", "PLA", feature=1.0)
+    shape = Shape(ball, np.full(len(ball.vertices), 8.0, np.float32))
+    drawn, count = module.Preview(shape, finished_style(shape, recipe), 0.1), len(ball.vertices)
+    found = drawn.enlarged(count)
+    assert found.times > 1.1
+    assert any(found.what in note for note in drawn.style.notes)
+    assert drawn.enlarged(count // 4).times == pytest.approx(2.0 * found.times, rel=0.01), "a run that is coarser is worse"
+    assert drawn.enlarged(found.vertices) is None, "what is offered is enough"
+    coarse = draft("brick", "PLA", feature=30.0)
+    assert module.Preview(shape, finished_style(shape, coarse), 0.1).enlarged(count) is None

@@ -13,7 +13,7 @@ from mechstyle_widgets.timeline.timeline import Timeline
 from support.models import alive
 from support.records import published_row, verdict
 
-LANES, STEPS, HOLDS, NO_WORSE, FAILS, UNKNOWN, OTHERS, ALLOWED, WORST, OTHER_CURVES, CURVE, PLANNED = range(12)
+LANES, STEPS, HOLDS, NO_WORSE, FAILS, UNKNOWN, OTHERS, ALLOWED, WORST, PLANNED = range(10)
 
 
 @pytest.fixture
@@ -74,7 +74,7 @@ def test_what_stays_bent_stands_beside_what_is_allowed(timeline, state):
 
 def test_by_the_published_rule_it_is_the_stress(state):
     row = msgspec.structs.replace(state.row(4), verdict=verdict(published_row(30.0), criterion="paper"))
-    traces, layout = contents({"main": [row]}, [], "main", "", "light")
+    traces, layout = contents({"main": [row]}, [], "main", "light")
     assert (traces[WORST]["y"], traces[ALLOWED]["y"]) == ([30.0], [45.6, None])
     assert layout["yaxis2"]["title"]["text"] == "[MPa]"
     assert layout["annotations"][0]["text"] == "allowed 45.6 MPa"
@@ -84,23 +84,9 @@ def test_what_is_not_sure_has_a_line_around_its_mark(state):
     row = state.row(4)
     doubt = Doubt(about="relief", value=0.4)
     sure, unsure = (msgspec.structs.replace(row, verdict=msgspec.structs.replace(row.verdict, doubts=doubts)) for doubts in ((), (doubt,)))
-    traces, _ = contents({"main": [sure, unsure]}, [], "main", "style_loss", "light")
+    traces, _ = contents({"main": [sure, unsure]}, [], "main", "light")
     assert traces[WORST]["marker"]["line"]["width"] == [0, 2]
     assert traces[HOLDS + list(LOOKS).index(row.outcome)]["marker"]["line"]["width"] == [0, 2]
-
-
-def test_the_curve_can_be_chosen(timeline, state):
-    assert trace(timeline, CURVE)["y"] == [], "what stays bent is enough until more is asked for"
-    assert not frame(timeline)["yaxis3"]["visible"]
-    low = frame(timeline)["height"]
-    timeline.curve = "style_loss"
-    assert trace(timeline, CURVE)["y"] == [row.style_loss for row in state.history]
-    assert frame(timeline)["height"] > low
-    timeline.curve = "travel"
-    assert trace(timeline, CURVE)["y"] == [row.travel for row in state.history]
-    timeline.curve = "seconds"
-    assert trace(timeline, CURVE)["y"] == []  # this notebook did not see it run
-    assert frame(timeline)["yaxis3"]["title"]["text"] == "seconds"
 
 
 def test_the_line_stands_at_the_iteration(timeline, state):

@@ -1,4 +1,4 @@
-"""What only a page knows or can do: the room there is, the theme, keys, the whole screen, handing over a file."""
+"""What only a page knows or can do: the room there is, the theme, keys, the full window, handing over a file."""
 
 from __future__ import annotations
 
@@ -14,12 +14,13 @@ from mechstyle_widgets.jupyter.terms import terms
 
 
 class Frame(PageWidget):
-    """Somewhere in a box of the class `mechstyle-studio`: a button for the whole screen, and eyes and ears for the kernel.
+    """Somewhere in a box of the class `mechstyle-studio`: a button for the full window, and eyes and ears for the kernel.
 
     Attributes:
         size: Width of the element of the class `mechstyle-view` and the height for a view in it [pixels]; empty until they are known.
         dark: Whether the notebook's theme is dark.
         calm: Whether the system asks that nothing moves by itself.
+        filled: Whether the page shows nothing else from the beginning on.
         was: What is said once the kernel is gone.
         terms: Words that explain themselves, in the language spoken.
     """
@@ -28,12 +29,13 @@ class Frame(PageWidget):
     size = traitlets.List(traitlets.Int(), []).tag(sync=True)
     dark = traitlets.Bool(False).tag(sync=True)
     calm = traitlets.Bool(False).tag(sync=True)
+    filled = traitlets.Bool(False).tag(sync=True)
     was = traitlets.Unicode().tag(sync=True)
     terms = traitlets.Dict().tag(sync=True)
 
-    def __init__(self) -> None:
+    def __init__(self, *, filled: bool = False) -> None:
         """Say so in the language spoken."""
-        super().__init__(was=word("This is a picture of what was. Run the cell to go on."), terms=terms())
+        super().__init__(filled=filled, was=word("This is a picture of what was. Run the cell to go on."), terms=terms())
 
     def on_key(self, place: str, call: Callable[..., None]) -> None:
         """Call back with the name of every key pressed in a place, `view` or `studio`; for a view, with `shift` and `ctrl`, too."""

@@ -55,12 +55,12 @@ class Undo(ipywidgets.HBox):  # type: ignore[misc]  # ipywidgets has no types
 
     @contextmanager
     def as_one(self) -> Iterator[None]:
-        """All changes in here are one step."""
-        self._giving = True
+        """All changes in here are one step, or part of the one around it."""
+        around, self._giving = self._giving, True
         try:
             yield
         finally:
-            self._giving = False
+            self._giving = around
             self.note()
 
     def undo(self) -> None:

@@ -114,6 +114,7 @@ class ControlSelector(Section):
     def _redraw(self, _change: object = None) -> None:
         self._lambda.value = self.material.safety_coefficient
         show(self._lambda, self.normalisation == "sigma_c")
+        show(self._mode, self.freestyle)  # the way back: the button Both leads there
         show(self._restraint, not self.freestyle)
         self.note("one drop test, at the end" if self.freestyle else f"demand is {MEANS[self.normalisation]}")
         stress, demand, left = self.curve()

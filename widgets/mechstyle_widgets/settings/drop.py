@@ -1,4 +1,4 @@
-"""Drop test settings: drop, loads, criterion, resolution, device, folder."""
+"""Drop test settings: drop, loads, criterion; how fine the part is, on what device and in which folder it runs."""
 
 from __future__ import annotations
 
@@ -42,6 +42,15 @@ WAYS = {
 """Ways to land, a single drop or one of `POSES`: what they are called, and what is dropped so many times."""
 
 
+NEAR = 0.02
+"""Share by which a standardised surface may have more or fewer vertices than were asked for."""
+
+
+def size_near(count: int) -> int | None:
+    """The one of SIZES that a number of vertices is, None for one that is of neither."""
+    return next((size for size in SIZES.values() if abs(count - size) <= NEAR * size), None)
+
+
 class Length(traitlets.Float[float, Any]):
     """A length [mm] between the limits of a setting, which may be set as people write it."""
 
@@ -56,7 +65,7 @@ class Length(traitlets.Float[float, Any]):
 
 
 class DropOptions(Section):
-    """Drop test, loads, criterion, resolution, device and folder.
+    """Drop test, loads and criterion; resolution, device and folder are set in Python alone.
 
     Attributes:
         height: Height of fall [mm]; text with a unit, such as "1.5 m", may be set, too.
@@ -113,7 +122,7 @@ class DropOptions(Section):
         self._unload = lean(ipywidgets.Button, icon="times", tooltip="Nothing to carry but the drop", layout={"width": "32px"})
         nearly = "Landings tilted by 3° onto its corners and sides are judged, too"
         most = "The most that is added before the style where the part does not hold as it is; 0 leaves it as it is"
-        thinnest, place = "The thinnest wall the style may leave", {"placeholder": "mechstyle-runs/…", "tooltip": "Where the run is kept"}
+        thinnest = "The thinnest wall the style may leave"
         super().__init__([
             *self._lengths.values(), self._way, self._drops, self._standard, lean(ipywidgets.HBox, [self._file, self._unload], layout=WIDE),
             linked(self, "nearly_flat", ipywidgets.Checkbox, "nearly flat", tooltip=nearly, **CHECK),
@@ -121,9 +130,6 @@ class DropOptions(Section):
             linked(self, "guarantee", ipywidgets.Checkbox, "correct until it passes", **CHECK),
             linked(self, "minimum_wall", ipywidgets.BoundedFloatText, "thinnest [mm]", step=0.1, tooltip=thinnest),
             linked(self, "strengthen", ipywidgets.BoundedFloatText, "thicken [mm]", step=0.5, tooltip=most),
-            linked(self, "vertices", ipywidgets.BoundedIntText, "detail", min=1, max=400_000, step=1000),
-            linked(self, "device", ipywidgets.Dropdown, "device", options=DEVICES),
-            linked(self, "folder", ipywidgets.Text, "folder", continuous_update=False, **place),
         ])  # fmt: skip
         for name, value in traits.items():
             setattr(self, name, value)
@@ -131,9 +137,8 @@ class DropOptions(Section):
         looks = {"button_width": "auto"}
         self.sizes = lean(ipywidgets.ToggleButtons, options=list(SIZES.items()), value=None, tooltips=words, style=looks)
         self.sizes.add_class("mechstyle-sizes")
-        self.sizes.observe(lambda change: setattr(self, "vertices", change["new"] or self.vertices), "value")
-        # neither where a number was asked for that is of neither
-        traitlets.dlink((self, "vertices"), (self.sizes, "value"), lambda count: count if count in SIZES.values() else None)
+        self.sizes.observe(self._choose_size, "value")
+        traitlets.dlink((self, "vertices"), (self.sizes, "value"), size_near)
         self._way.observe(self._choose_way, "value")
         self._standard.observe(self._choose_standard, "value")
         for name, box in self._lengths.items():
@@ -194,6 +199,11 @@ class DropOptions(Section):
         else:
             self.complain("")
             self._write()
+
+    def _choose_size(self, change: dict[str, Any]) -> None:
+        """Another size brings its number of vertices."""
+        if change["new"] is not None and change["new"] != size_near(self.vertices):
+            self.vertices = change["new"]
 
     def _choose_way(self, change: dict[str, Any]) -> None:
         """Another way brings its usual number of drops."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from html import escape
 from typing import Any
 
 import ipywidgets
@@ -14,9 +16,11 @@ from mechstyle.styling.picture import NAME as PICTURE
 from mechstyle.styling.prompt import Reading, read, suggestions
 from mechstyle.styling.vocabulary import called
 from mechstyle_widgets.jupyter.frame import unseen
+from mechstyle_widgets.jupyter.language import word
 from mechstyle_widgets.jupyter.looks import lean, show
-from mechstyle_widgets.settings.section import AUTO, WIDE, Fold, Millimetres, Read, Section, linked, setting
+from mechstyle_widgets.settings.section import AUTO, WIDE, Fold, Millimetres, Read, Section, Words, linked, setting
 from mechstyle_widgets.settings.thumbnail_buttons import FEW, PictureChoice
+from mechstyle_widgets.state.preview import Enlarged
 
 GROUPS = {
     "stone, clay and metal": (
@@ -169,7 +173,15 @@ class PromptBox(Section):
             linked(self, "field", ipywidgets.Dropdown, "shape from", options=carriers, tooltip="What is optimised"),
         ]))  # fmt: skip
         super().__init__([self._text, self._chips, self._image, self._relief, self._feature, more])
-        self.children = (self._text, self._note, self._trouble, *self.children[1:-2])  # an answer stands where one has asked
+        self._coarse = lean(Words)
+        self._finer = lean(
+            ipywidgets.Button, description="Finer", tooltip="As many vertices as the pattern takes", layout={"width": "auto"}
+        )
+        self._cure = lean(ipywidgets.HBox, [self._coarse, self._finer])
+        self._cure.add_class("mechstyle-cure")
+        self.enlarge(None)
+        # an answer stands where one has asked
+        self.children = (self._text, self._note, self._trouble, self._cure, *self.children[1:-2])
         self._chips.observe(self._choose, "pressed")
         for name in ImageChoice.FIELDS:
             traitlets.link((self._image, name), (self, name))
@@ -185,6 +197,18 @@ class PromptBox(Section):
     def brief(self) -> str:
         """The prompt."""
         return self.prompt
+
+    def enlarge(self, found: Enlarged | None, finer: Callable[[int], object] = lambda _: None) -> None:
+        """Say what of the pattern is drawn larger than asked, and offer as many vertices as would carry it; None for nothing."""
+        self._finer.on_click(self._ask_finer, remove=True)
+        show(self._cure, found is not None)
+        if found is not None:
+            self._ask_finer = lambda _button: finer(found.vertices)
+            self._finer.on_click(self._ask_finer)
+            said = word("{} are drawn {} × larger than asked: the mesh is too coarse.").format(word(found.what), f"{found.times:.1f}")
+            self._coarse.say(f'<div class="mechstyle-warning" role="status">{escape(said[:1].upper() + said[1:])}</div>')
+
+    _ask_finer: Callable[[Any], object] = staticmethod(lambda _button: None)
 
     def _choose(self, _change: object) -> None:
         """A picture was pressed: put the name of its style in the place of the one the prompt names."""

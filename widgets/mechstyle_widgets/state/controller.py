@@ -115,10 +115,10 @@ class Controller:
         """Whether the folder of the run on show is gone."""
         return self.state.run is not None and not self.state.run.store.place.is_dir()
 
-    def began_with(self, mesh: SurfaceMesh) -> bool:
-        """Whether the run on show was begun here with a part, whatever the settings are now."""
-        run = self.state.run
-        return run is not None and run.store.place in self._begun and self._begun[run.store.place][0] == mesh.digest
+    def began_with(self, mesh: SurfaceMesh) -> int | None:
+        """Vertices with which the run on show was begun here of a part, whatever the settings are now; None if it was not."""
+        begun = None if self.state.run is None else self._begun.get(self.state.run.store.place)
+        return begun[1] if begun is not None and begun[0] == mesh.digest else None
 
     # how it does it
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import re
 import threading
 import time
 from collections.abc import Callable
@@ -28,6 +30,18 @@ _ready: dict[tuple[str, int], Shape] = {}
 """The last ones, by what they are of and their vertices: a cell that is run again shows its style at once."""
 
 
+ENLARGED, LIKE_ASKED = re.compile(r"too coarse for (?P<what>.+?) of .* enlarged (?P<times>[\d.]+)x"), 1.1
+"""What the note of a drawing says where its mesh carries no pattern so fine, and up to how many times larger it counts as it was asked."""
+
+
+class Enlarged(NamedTuple):
+    """What of a pattern is drawn so many times larger than asked, and the vertices that would carry it."""
+
+    what: str
+    times: float
+    vertices: int
+
+
 @dataclass(frozen=True, eq=False)
 class Preview:
     """A style on a part, not tested; no style where only running it tells. `seconds` is the time of drawing [s]."""
@@ -43,6 +57,18 @@ class Preview:
         if self.style is None:
             return self.shape.surface
         return self.shape.surface.displaced(self.style.relief).coloured(self.style.colour)
+
+    def enlarged(self, vertices: int) -> Enlarged | None:
+        """How much larger than asked the pattern of a run of so many vertices is drawn, the worst of it; None where it is as asked."""
+        drawn = len(self.shape.surface.vertices)
+        coarser = max(1.0, drawn / vertices) if vertices <= drawn else drawn / vertices
+        found = [ENLARGED.search(note) for note in (() if self.style is None else self.style.notes)]
+        times = [(float(one["times"]), one["what"]) for one in found if one]
+        if not times:
+            return None
+        most, what = max(times)
+        largest = most * math.sqrt(coarser)
+        return Enlarged(what, largest, math.ceil(drawn * most**2 / 1000.0) * 1000) if largest > LIKE_ASKED else None
 
 
 class _Wish(NamedTuple):

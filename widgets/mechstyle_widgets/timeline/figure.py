@@ -23,15 +23,13 @@ from mechstyle_widgets.jupyter.language import said, word
 from mechstyle_widgets.state.outcomes import DOUBT, LOOKS
 from mechstyle_widgets.state.studio_state import called
 
-CURVES = {"": "nothing more", "style_loss": "style still missing", "travel": "change since the last test", "seconds": "seconds"}
-UNITS = {"": "", "style_loss": "missing", "travel": "change", "seconds": "seconds"}
 TEMPLATES = {"light": "plotly_white", "dark": "plotly_dark"}
 PAPER = {"light": "#ffffff", "dark": "#26272b"}
 GROUND = {"light": "#ffffff", "dark": "#111111"}
 """Those of JupyterLab's themes, so that a figure held in one of them can be read in a notebook of the other."""
 BEYOND = {"light": "#b3261e", "dark": "#ff8a80"}  # of small words, 4.5:1 at least
 INK, FAINT = "#1f7a8c", "rgba(140,140,140,0.45)"
-LANE, BEND, CURVE, MARGINS = 22, 60, 60, 48  # heights [pixels]
+LANE, BEND, MARGINS = 22, 72, 48  # heights [pixels]
 LEFT, RIGHT = 96, 12  # beside the axes [pixels]
 LINE, LETTER = 52, 6.6
 """Letters of the longest line of words, and how wide one is at most on average [pixels]."""
@@ -63,7 +61,7 @@ def template(theme: str) -> dict[str, Any]:
 @cache
 def _empty() -> dict[str, Any]:
     """The figure with all its traces, none of them filled."""
-    figure = make_subplots(rows=3, cols=1, shared_xaxes=True, vertical_spacing=0.05)
+    figure = make_subplots(rows=2, cols=1, shared_xaxes=True, vertical_spacing=0.05)
     line = {"mode": "lines", "hoverinfo": "skip", "showlegend": False}
     figure.add_scatter(row=1, col=1, line={"color": FAINT, "width": 2}, **line)
     figure.add_scatter(row=1, col=1, mode="markers", showlegend=False)
@@ -72,8 +70,6 @@ def _empty() -> dict[str, Any]:
     figure.add_scatter(row=2, col=1, line={"color": FAINT, "width": 1.5}, **line)
     figure.add_scatter(row=2, col=1, line={"color": LOOKS["FAILS"].line, "width": 1.5, "dash": "dash"}, **line)
     figure.add_scatter(row=2, col=1, mode="lines+markers", line={"color": INK, "width": 1.5}, showlegend=False)
-    figure.add_scatter(row=3, col=1, line={"color": FAINT, "width": 1.5}, **line)
-    figure.add_scatter(row=3, col=1, mode="lines", line={"color": INK, "width": 1.8}, showlegend=False)
     figure.add_scatter(row=1, col=1, mode="lines+markers", name="planned", line={"color": FAINT, "width": 2})
     rule = {"type": "line", "xref": "x", "yref": "paper", "x0": 0, "x1": 0, "y0": 0, "y1": 1, "line": {"color": "#e08e0b", "width": 2}}
     figure.update_layout(
@@ -94,24 +90,21 @@ def _empty() -> dict[str, Any]:
 
 
 def contents(
-    histories: Mapping[str, Rows], branches: Sequence[Branch], lane: str, curve: str, theme: str
+    histories: Mapping[str, Rows], branches: Sequence[Branch], lane: str, theme: str
 ) -> tuple[list[dict[str, Any]], dict[str, Any]]:
-    """Contents of the traces and the layout that goes with them, for `filled`; `curve`, one of CURVES, is what the lowest row shows."""
+    """Contents of the traces and the layout that goes with them, for `filled`."""
     forks = {branch.lane: (branch.forked_at, branch.parent or branch.lane) for branch in branches if branch.forked_at is not None}
     own = {name: [row for row in rows if name not in forks or row.iteration > forks[name][0]] for name, rows in histories.items()}
     others = {name: rows for name, rows in own.items() if name != lane}
     shown = {lane: histories.get(lane, [])}
-    known = [row for row in shown[lane] if curve and getattr(row, curve) is not None]
     traces = [
         *_lanes(own, forks),
         _lines(others, lambda row: figures(row)[0]),
         _lines(shown, lambda row: figures(row)[1]),
         _worst(lane, shown[lane]),
-        _lines(others if curve else {}, lambda row: getattr(row, curve)),
-        {**_marks([(lane, row) for row in known]), "y": [getattr(row, curve) for row in known]},
         _planned(lane, ()),
     ]
-    layout = _layout(list(histories), called(branches), lane, curve, theme, max((branch.iterations for branch in branches), default=1))
+    layout = _layout(list(histories), called(branches), lane, theme, max((branch.iterations for branch in branches), default=1))
     notes = []
     for row in reversed(shown[lane]):
         if row.verdict is not None and (decides := row.verdict.deciding) is not None:
@@ -132,10 +125,10 @@ def figures(row: Row) -> tuple[float | None, float | None]:
     return (decides.permanent_set, decides.allowed) if decides.stress is None else (decides.stress, decides.limit)
 
 
-def before(plan: Plan | None, lane: str, curve: str, theme: str, width: int) -> tuple[list[dict[str, Any]], dict[str, Any]]:
+def before(plan: Plan | None, lane: str, theme: str, width: int) -> tuple[list[dict[str, Any]], dict[str, Any]]:
     """As `contents`, for a run without an iteration, in a figure so wide [pixels]; the plan is None if it is not known."""
     places = (0, *plan.places) if plan else ()
-    traces, layout = contents({lane: []}, [], lane, curve, theme)
+    traces, layout = contents({lane: []}, [], lane, theme)
     text = word("Nothing has run yet.")
     if plan is not None:
         text = word("Nothing has run yet. The part will be dropped at the hollow marks.")
@@ -143,7 +136,7 @@ def before(plan: Plan | None, lane: str, curve: str, theme: str, width: int) -> 
     letters = min(max(int((width - LEFT - RIGHT) / LETTER), 12), LINE)  # of a line that fits between the axes
     words = {"text": "<br>".join(textwrap.wrap(text, letters)), "showarrow": False, "font": {"size": 12}}
     middle = {"x": 0.5, "xref": "paper", "xanchor": "center", "y": 0.5, "yref": "y2 domain", "yanchor": "middle"}
-    empty_axes = {axis: {**layout[axis], "showticklabels": False} for axis in ("yaxis2", "yaxis3")}
+    empty_axes = {"yaxis2": {**layout["yaxis2"], "showticklabels": False}}
     ranges = {axis: _range(places[-1] if places else 1) for axis in ("xaxis", "xaxis2")}
     return [*traces[:-1], _planned(lane, places)], {**layout, **empty_axes, **ranges, "annotations": [{**words, **middle}]}
 
@@ -218,9 +211,9 @@ def story(lane: str, row: Row) -> str:
     return "<br>".join([*lines, " · ".join(figures)])
 
 
-def _layout(lanes: Sequence[str], known: Mapping[str, str], lane: str, curve: str, theme: str, iterations: int) -> dict[str, Any]:
-    heights = (LANE * max(len(lanes), 1) + 10, BEND, CURVE if curve else 1)
-    inside, gap = sum(heights) + 28, 14 / (sum(heights) + 28)
+def _layout(lanes: Sequence[str], known: Mapping[str, str], lane: str, theme: str, iterations: int) -> dict[str, Any]:
+    heights = (LANE * max(len(lanes), 1) + 10, BEND)
+    inside, gap = sum(heights) + 14, 14 / (sum(heights) + 14)
     bottom, domains = 1.0, []
     for height in heights:
         domains.append([max(bottom - height / inside, 0.0), bottom])
@@ -236,16 +229,8 @@ def _layout(lanes: Sequence[str], known: Mapping[str, str], lane: str, curve: st
         "plot_bgcolor": "rgba(0,0,0,0)",
         "yaxis": {"domain": domains[0], "type": "category", "range": [-0.6, len(lanes) - 0.4], "showgrid": False, **rows},
         "yaxis2": {"domain": domains[1], "title": {"text": "[mm]"}, "rangemode": "tozero", "nticks": 4, "showticklabels": True},
-        "yaxis3": {
-            "domain": domains[2],
-            "visible": bool(curve),
-            "title": {"text": word(UNITS[curve])},
-            "rangemode": "tozero",
-            "nticks": 4,
-            "showticklabels": True,
-        },
-        "xaxis3": {"title": {"text": word("iteration"), "standoff": 2}},
-        **{axis: _range(iterations) for axis in ("xaxis", "xaxis2")},
+        "xaxis": _range(iterations),
+        "xaxis2": {**_range(iterations), "title": {"text": word("iteration"), "standoff": 2}},
     }
 
 

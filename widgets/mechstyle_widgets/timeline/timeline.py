@@ -17,7 +17,7 @@ from mechstyle_widgets.jupyter.page_widget import PageWidget, static
 from mechstyle_widgets.jupyter.throttle import Paced
 from mechstyle_widgets.state.studio_state import Linked, StudioState
 from mechstyle_widgets.timeline import figure as timeline_figure
-from mechstyle_widgets.timeline.figure import CURVES, TEMPLATES
+from mechstyle_widgets.timeline.figure import TEMPLATES
 
 
 class Curves(PageWidget):
@@ -51,7 +51,7 @@ class Curves(PageWidget):
 
 
 class Timeline(Linked, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
-    """Iterations from left to right: lanes with their simulations, what stayed bent beside what may, and one curve to choose.
+    """Iterations from left to right: lanes with their simulations, and what stayed bent beside what may.
 
     A click, or the arrow keys on the slider, shows another iteration; a click on another lane shows that lane. Before there is
     an iteration, it shows where the schedule that is asked for will simulate.
@@ -59,11 +59,9 @@ class Timeline(Linked, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[mi
 
     Attributes:
         slider: The slider over iterations.
-        curve: What the lowest row shows, one of `CURVES`.
         theme: `light` or `dark`.
     """
 
-    curve = traitlets.Enum(tuple(CURVES), "")
     theme = traitlets.Enum(tuple(TEMPLATES), "light")
 
     @sharing()
@@ -78,20 +76,14 @@ class Timeline(Linked, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[mi
         play = unseen(lean(ipywidgets.Play, show_repeat=False, tooltip="Play, and stop", layout={"width": "auto"}, **what))
         self._links_in_page = [ipywidgets.jsdlink((self.slider, "max"), (play, "max"))]
         self._links_in_page.append(ipywidgets.jslink((play, "value"), (self.slider, "value")))
-        options = [(label, name) for name, label in CURVES.items()]
-        choice = unseen(lean(
-            ipywidgets.Dropdown,
-            options=options, value="", description="curve", tooltip="What is drawn besides", layout={"width": "160px"},
-        ))  # fmt: skip
         look = {"justify_content": "space-between", "flex_flow": "row wrap"}
-        self._bar = lean(ipywidgets.HBox, [play, self.slider, choice], layout=look)
+        self._bar = lean(ipywidgets.HBox, [play, self.slider], layout=look)
         super().__init__([self._bar, self._curves])
         self.add_class("mechstyle-timeline")
         self._redraw, self._point = Paced(self._draw, state.alert), Paced(self._move_line, state.alert)
         self.link(state)
-        traitlets.link((self, "curve"), (choice, "value"))
         state.observe(self._heard, ("histories", "branches", "lane", "settings"))
-        self.observe(lambda _: self._redraw(), ("curve", "theme"))
+        self.observe(lambda _: self._redraw(), "theme")
         self.observe(lambda _: self._point(), "iteration")
         self._move_line()
 
@@ -132,10 +124,10 @@ class Timeline(Linked, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[mi
     def _draw_curves(self) -> None:
         state, lane = self._state, self._state.lane
         if self._begun:
-            traces, layout = timeline_figure.contents(state.histories, state.branches, lane, self.curve, self.theme)
+            traces, layout = timeline_figure.contents(state.histories, state.branches, lane, self.theme)
         else:
             name = "Freestyle" if state.settings.get("control") == "none" else "MechStyle"
-            traces, layout = timeline_figure.before(plan_of(state.settings), name, self.curve, self.theme, self._width)
+            traces, layout = timeline_figure.before(plan_of(state.settings), name, self.theme, self._width)
         self._curves.show(*timeline_figure.filled(traces, {**layout, "width": self._width}))
 
     def _move_line(self) -> None:

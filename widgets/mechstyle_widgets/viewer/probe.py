@@ -112,5 +112,5 @@ def table(subject: Subject, vertex: int) -> str:
         f'<td style="font-variant-numeric:tabular-nums">{escape(said(value))}{swatch if name == "place" else ""}</td></tr>'
         for name, value in rows
     )
-    head = f'<div><b>✕ {said("vertex")} {vertex}</b></div><table style="border-spacing:0 1px">{cells}</table>'
-    return f'<div style="margin:4px 8px;font-size:12px;line-height:1.45;color:{INK}">{head}</div>'
+    rows_of_it = f'<table style="border-spacing:0 1px">{cells}</table>'
+    return f'<div style="margin:4px 8px;font-size:12px;line-height:1.45;color:{INK}">{rows_of_it}</div>'

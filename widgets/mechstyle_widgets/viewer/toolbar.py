@@ -13,9 +13,11 @@ from mechstyle.pictures.camera import VIEWS
 from mechstyle.pictures.panels import Picture
 from mechstyle_widgets.jupyter.frame import unseen
 from mechstyle_widgets.jupyter.language import said, word
-from mechstyle_widgets.jupyter.looks import lean, show
+from mechstyle_widgets.jupyter.looks import lean, show, unheard
 from mechstyle_widgets.viewer.layers import STYLE, Layer
 
+SELDOM, MORE = ("demand", "displacement", "added", "thickness", "contact", "stress_"), "\n"
+"""How the names of layers begin that are offered with all others alone, and what stands for these."""
 TOOLS = ("", "measure", "places")
 """What a click does besides asking about a place: nothing, measure, or keep the place."""
 
@@ -57,15 +59,20 @@ class Toolbar(ipywidgets.HBox):  # type: ignore[misc]  # ipywidgets has no types
         }
         self._shot = _button("camera", "Make a picture of this to save")
         self._download = lean(ipywidgets.HTML)
-        groups = [
-            [self.choice, self._view, self._fit, self.both, self._marks, self._stepped],
-            [self._parallel, self._cut, *self._tools.values(), self._shot, self._download],
-        ]
-        super().__init__([lean(ipywidgets.HBox, group, layout={"flex_flow": "row wrap"}) for group in groups])
+        seldom = lean(ipywidgets.HBox, [self._marks, self._stepped, self._parallel, self._tools["places"]])
+        more = _toggle("ellipsis-h", "Marks, steps, parallel look, kept places")
+        more.observe(lambda change: show(seldom, change["new"]), "value")
+        show(seldom, False)
+        first = [self.choice, self._view, self._fit, self.both, self._cut, self._tools["measure"], self._shot, more, seldom, self._download]
+        super().__init__(first)
         self.layout.flex_flow = "row wrap"
         self.add_class("mechstyle-toolbar")
         self._picture = picture
-        linked = {"layer": self.choice, "beside": self.both, "markers": self._marks, "stepped": self._stepped}
+        self._layers: Sequence[Layer] = ()
+        self._all = False
+        self.choice.observe(self._choose, "value")
+        self.observe(lambda change: self.offer(self._layers, change["new"]), "layer")
+        linked = {"beside": self.both, "markers": self._marks, "stepped": self._stepped}
         linked |= {"parallel": self._parallel, "cut": self._cut}
         for name, widget in linked.items():
             traitlets.link((self, name), (widget, "value"))
@@ -77,10 +84,22 @@ class Toolbar(ipywidgets.HBox):  # type: ignore[misc]  # ipywidgets has no types
 
     def offer(self, layers: Sequence[Layer], shown: str) -> None:
         """Offer the style and these layers, with one of them shown."""
-        options = [(word("style"), STYLE), *((said(layer.title), layer.name) for layer in layers)]
+        self._layers, wide = layers, self._all or shown.startswith(SELDOM)
+        offered = [layer for layer in layers if wide or not layer.name.startswith(SELDOM)]
+        options = [(word("style"), STYLE), *((said(layer.title), layer.name) for layer in offered)]
+        options += [(word("more layers …"), MORE)] if len(offered) < len(layers) else []
         if tuple(self.choice.options) != tuple(options):
-            self.choice.options = options
-            self.choice.value = shown
+            with unheard(self.choice, self._choose):  # other options put it to the first
+                self.choice.options = options
+        self.choice.value = shown
+
+    def _choose(self, change: dict[str, Any]) -> None:
+        """Show the layer that was chosen, or offer all of them."""
+        if change["new"] == MORE:
+            self._all = True
+            self.offer(self._layers, self.layer)
+        elif change["new"] is not None:
+            self.layer = change["new"]
 
     def offer_beside(self, name: str, *, there: bool) -> None:
         """Offer what may stand beside, by its name, if it is there."""

@@ -55,6 +55,8 @@ SHIFTED = {"1": "front", "2": "side", "3": "top", "4": "below", "5": "three_quar
 """Standard views by the digits that, with Shift, call them."""
 ROOM = 0.85
 """How near the camera comes to a part it looks at as a whole, so that the legend below hides nothing of it."""
+STALE = "mechstyle-stale"
+"""Class of a view whose picture is of a style that is not asked for any more."""
 PICKS = {"m": "measure", "a": "places"}
 
 
@@ -515,14 +517,18 @@ class PartViewer(Viewer):
     def put_on(self, styled: SurfaceMesh, more: str) -> None:
         """Show a style on it that was not tested; `more` is said below that."""
         self.subject, self.original = Subject(styled), Subject(self._rest)
-        self.badge.say(untested("Preview", more))
+        self._said_of("Preview", more)
 
     def wait(self) -> None:
-        """Say that a style is being drawn, unless another is on show until then."""
-        if self.original is None:
-            self.badge.say(untested("Preview", "The style is being drawn on the part …"))
+        """Say that a style is being drawn; what is on show until then is that of before, and dimmed."""
+        self._said_of("Preview", "The style is being drawn on the part …")
+        self.add_class(STALE)
 
     def take_off(self, why: str = "") -> None:
         """Show the plain part, and say why if there is a reason."""
         self.subject, self.original = Subject(self._rest), None
-        self.badge.say(untested("No preview", why) if why else "")
+        self._said_of("No preview", why)
+
+    def _said_of(self, name: str, more: str) -> None:
+        self.remove_class(STALE)
+        self.badge.say(untested(name, more) if more else "")

@@ -1,7 +1,7 @@
 // What only the page knows of a Studio: how much room it has, whether the theme is dark, which key was pressed, the whole screen;
 // and what only a page can do: hand a file over.
 
-const FULL_LEAST = 320; // height of a view in full screen, which is to leave the timeline in sight [px]
+const LEAST = 320, BELOW = 52; // least height of a view in the full window, and what it leaves for the head of the timeline [px]
 const QUIET = 120; // a size counts when it has stood still for so long [ms]
 const IN_VIEW = ["+", "-", "=", "Home", "Enter", "PageUp", "PageDown"], ANYWHERE = [..."rn.>c123456amxoliwpzy"];
 const ROOTS = ".mechstyle-studio, .mechstyle-alone";
@@ -10,7 +10,7 @@ const KEYS = { // the list that `?` opens
     ["R", "run, or go on; in a field Ctrl with Enter"], [".", "one iteration"], ["Shift with .", "on to the next drop test"],
     ["1 to 6, L", "style, stress, what stays bent, restraint, demand, displacement; the next layer"],
     ["C, N", "compare with the iteration on show, branch from it"], ["I", "the impact, and back"], ["W", "what another setting would hold back"],
-    ["Z, Y", "undo the last setting, redo it"], ["X, O, M, A, P", "cut open, look in parallel, measure, keep places, paint"], ["F", "full screen, and back"],
+    ["Z, Y", "undo the last setting, redo it"], ["X, O, M, A, P", "cut open, look in parallel, measure, keep places, paint"], ["F", "full window, and back"],
     ["?", "this list"], ["Escape", "closes this list; goes back from a page of settings; leaves the tool, then the measure, then the cut"],
   ],
   "in the view": [
@@ -95,6 +95,7 @@ function render({ model, el }) {
     undo.push(tellOfTheEnd(model, root));
     if (!studio) return;
     el.append(button(HELP, () => help(root)), button(FULL, () => full(root)));
+    if (model.get("filled")) full(root);
     const stage = root.querySelector(".mechstyle-view");
     let timer = 0;
     const measure = () => {
@@ -103,7 +104,7 @@ function render({ model, el }) {
     };
     watch(new ResizeObserver(measure), stage);
     undo.push(() => clearTimeout(timer));
-    listen(document, "fullscreenchange", measure);
+    listen(root, "mechstyle-full", measure);
     const light = () => {
       model.set("dark", document.body.dataset.jpThemeLight ? document.body.dataset.jpThemeLight === "false" : matchMedia("(prefers-color-scheme: dark)").matches);
       model.set("calm", matchMedia("(prefers-reduced-motion: reduce)").matches);
@@ -158,22 +159,22 @@ function tell(model, root, stage) {
   const width = Math.round(stage.clientWidth);
   if (!width) return; // hidden: it keeps its size
   let height = Math.min(Math.max(360, 0.51 * width), 560);
-  if (document.fullscreenElement === root) height = Math.max(FULL_LEAST, root.clientHeight - (stage.parentElement.scrollHeight - canvasHeight(stage)) - bar(root));
+  if (root.matches(".mechstyle-window")) {
+    const top = (stage.querySelector("canvas") ?? stage).getBoundingClientRect().top + stage.parentElement.scrollTop;
+    height = Math.max(LEAST, root.clientHeight - top - BELOW);
+  }
   model.set("size", [width, Math.round(height)]);
   model.save_changes();
 }
 
-const canvasHeight = (stage) => stage.querySelector("canvas")?.clientHeight ?? 0;
-const bar = (root) => (root.querySelector(".mechstyle-bar")?.offsetHeight ?? 0) + 16;
-
-const FULL = ["mechstyle-full", "Full screen", "Full screen, and back (F)", "M2 6V2h4M10 2h4v4M14 10v4h-4M6 14H2v-4"];
+const FULL = ["mechstyle-full", "Full window", "Full window, and back (F)", "M2 6V2h4M10 2h4v4M14 10v4h-4M6 14H2v-4"];
 const HELP = ["mechstyle-help", "Keys", "What the keys do (?)", "M5 6a3 3 0 1 1 4.2 2.7Q8 9.3 8 11M8 13v1.2"];
 
 function button([className, words, title, path], act) {
   const made = Object.assign(document.createElement("button"), { className, title: say(title) });
   made.setAttribute("aria-label", say(words));
   made.innerHTML = `<svg viewBox="0 0 16 16" aria-hidden="true"><path d="${path}"/></svg>`;
-  made.addEventListener("click", act); // here: by way of a busy kernel a press would be too old for the whole screen
+  made.addEventListener("click", act); // here: a busy kernel would let it wait
   return made;
 }
 
@@ -196,7 +197,14 @@ function help(root) {
   panel.focus();
 }
 
-const full = (root) => (document.fullscreenElement ? document.exitFullscreen() : root.requestFullscreen());
+// All of the page for the Studio, or its cell again: in the layer over all others, where nothing that it stands in cuts it off.
+function full(root) {
+  if (root.classList.toggle("mechstyle-window")) {
+    root.popover = "manual";
+    root.showPopover();
+  } else root.popover = null;
+  root.dispatchEvent(new Event("mechstyle-full"));
+}
 
 // Names and states that ipywidgets has no words for.
 function label(root) {
@@ -206,7 +214,11 @@ function label(root) {
     canvas.setAttribute("aria-label", say("The part: arrow keys turn it, plus and minus come nearer and go farther, Home shows all of it, Enter asks about the place in the middle"));
   }
   for (const image of root.querySelectorAll("img:not([alt])")) image.alt = ""; // what it shows stands in words beside it
-  for (const head of root.querySelectorAll(".mechstyle-group-head")) set(head, "aria-expanded", head.classList.contains("mechstyle-open"));
+  for (const head of root.querySelectorAll(".mechstyle-group-head")) {
+    const open = head.classList.contains("mechstyle-open"), opened = open && head.getAttribute("aria-expanded") === "false";
+    set(head, "aria-expanded", open);
+    if (opened) head.scrollIntoView({ block: "nearest" }); // what is opened is seen, wherever the column stood
+  }
   for (const one of root.querySelectorAll("button.widget-toggle-button")) set(one, "aria-pressed", one.classList.contains("mod-active"));
   for (const one of root.querySelectorAll("button.mechstyle-pin")) set(one, "aria-label", one.title);
   for (const one of root.querySelectorAll("button[title]:not([aria-label])")) if (!one.textContent.trim()) one.setAttribute("aria-label", one.title);

@@ -77,6 +77,13 @@ function render({ model, el }) {
   const unfold = () => {
     const all = model.get("all"), was = !sheet.hidden;
     sheet.hidden = !all;
+    sheet.popover = all ? "manual" : null; // over all that would cut it off
+    if (all) {
+      sheet.showPopover();
+      const { left, top } = few.getBoundingClientRect(), free = innerWidth - sheet.offsetWidth - 8;
+      const high = Math.max(8, Math.min(top, innerHeight - 420));
+      Object.assign(sheet.style, { left: `${Math.max(8, Math.min(left, free))}px`, top: `${high}px`, maxHeight: `${innerHeight - high - 8}px` });
+    }
     more.setAttribute("aria-expanded", String(all));
     if (all && !was) {
       search.value = "";

@@ -1,0 +1,32 @@
+"""The command that opens the Studio as a page of its own."""
+
+from __future__ import annotations
+
+import importlib.util
+import subprocess
+import sys
+from typing import Annotated
+
+import typer
+
+from mechstyle.cli.console import command
+from mechstyle.errors import BadInput
+
+app = typer.Typer()
+
+
+@app.command("studio")
+@command
+def studio_command(
+    part: Annotated[str, typer.Argument(help="gallery:NAME, a file, or the folder of a run; without it a finished run is on show.")] = "",
+    *,
+    language: Annotated[str, typer.Option(help="en or de.")] = "en",
+    port: Annotated[int, typer.Option(help="The first port to try.")] = 8888,
+    browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Whether to open a browser, or only say the address.")] = True,
+) -> None:
+    """Open the Studio in a browser, on this machine alone, without a notebook."""
+    if importlib.util.find_spec("jupyterlab") is None or importlib.util.find_spec("mechstyle_widgets") is None:
+        raise BadInput("the Studio needs JupyterLab, which is not installed: pip install 'mechstyle[jupyter]'")
+    given = [*([part] if part else []), "--language", language, "--port", str(port), *([] if browser else ["--no-browser"])]
+    ended = subprocess.run([sys.executable, "-m", "mechstyle_widgets", *given], check=False)  # noqa: S603 — our own module
+    raise typer.Exit(ended.returncode)
