@@ -28,7 +28,7 @@ PAPER: dict[str, Any] = {
     "base": "free", "guarantee": False, "transfer": "nearest", "element": "tet4", "minimum_wall": 0.0, "nearly_flat": False,
     "schedule": "stress", "contact_stiffness": 300.0,
 }  # fmt: skip
-"""The published method taken literally (Faruqi et al. 2025); its floor as docs/published-study.md calibrates it."""
+"""The published method taken literally (Faruqi et al. 2025); its floor as docs/published-study.md says."""
 
 MASKED = "stress"
 """Schedule that a control brings, unless one is asked for: a mask that nothing is simulated for never closes."""
