@@ -43,7 +43,10 @@ def cup(wall: float) -> trimesh.Trimesh:
 
 
 PARTS = {
-    **{f"trophy-{stem}-{head}": (trophy, (float(stem), float(head))) for stem, head in ((10, 28), (11, 28), (12, 28), (13, 32), (14, 36))},
+    **{
+        f"trophy-{stem}-{head}": (trophy, (float(stem), float(head), 0.0, (6, 24), 44))
+        for stem, head in ((10, 28), (11, 28), (12, 28), (13, 32), (14, 36))
+    },
     "post": (post, (1.4, 0.0)),
     **{f"post-groove-{depth:g}": (post, (1.4, depth)) for depth in (0.5, 1.0)},
     **{f"cup-{wall:g}": (cup, (wall,)) for wall in (1.2, 1.6)},

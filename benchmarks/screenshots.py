@@ -1,6 +1,6 @@
 """Draws the pictures of the Studio and of a report in docs/ again, from the real ones in headless Chromium.
 
-python benchmarks/screenshots.py                       # a run of the lessons' pawn, and a branch of it
+python benchmarks/screenshots.py                       # a run of the lessons' trophy, and a branch of it
 python benchmarks/screenshots.py --states FOLDER       # every state of the Studio at four widths in both themes, to look at
 python benchmarks/screenshots.py --states FOLDER --widths 1440 --themes Light
 """
@@ -21,12 +21,12 @@ REPORT, SCALE = (1100, 1800), 0.75
 PATIENCE = 900_000  # for a run [ms]
 STUDIO = """
 from mechstyle_widgets import Studio
-studio = Studio(folder="pawn")
+studio = Studio(folder="trophy")
 studio
 """
 PAINTED = """
 from mechstyle_widgets import Studio
-painted = Studio(protect=["sphere 0 -14 55 9", "sphere 0 -15 4 7"])
+painted = Studio(protect=["sphere 12 -14 68 9", "sphere 0 -17 4 7"])
 painted._groups[0].unfolded = painted._groups[1].unfolded = False
 painted._groups[5].unfolded = True
 painted
@@ -40,7 +40,7 @@ STATES = {
     "unknown-prompt": "studio.prompt_box.prompt = 'my own idea'",
     "sheet": "studio.prompt_box.prompt = 'brick'; studio.prompt_box._chips.all = True",
     "page": "studio.prompt_box._chips.all = False; studio._groups[6].unfolded = True",
-    "pull": "studio.close_page(); studio.viewer._clicks((0.0, 0.0, 67.6))",
+    "pull": "studio.close_page(); studio.viewer._clicks((12.0, 0.0, 82.2))",
     "finished": "studio.viewer.arrow = (); studio.controller.run()",
     "stress": "studio.state.layer = 'stress'; studio.viewer.stepped = True",
     "stays-bent": "studio.state.layer = 'stays_bent'",

@@ -211,12 +211,12 @@ def test_python_command_line_and_studio_give_the_same_figures(run, folder):
     assert [entry.digest for entry in opened.history] == [entry.digest for entry in run.history], "the same bytes in every iteration"
 
 
-def test_the_pawn_is_the_same_in_lesson_python_and_studio(folder):
+def test_the_trophy_is_the_same_in_lesson_python_and_studio(folder):
     """The demo's settings are the lessons': tests/cli/test_demo.py."""
     quick = {"iterations": 4, "schedule": "never", "guarantee": False, "nearly_flat": False, "window": 0.3, "element": "tet4"}
     lesson = teaching.run("brick", folder=folder / "lesson", **quick)
-    pawn = teaching.pawn()
-    python = ms.stylize(pawn, "brick", vertices=len(pawn.vertices), out=folder / "python", **{**teaching.STYLE, **quick})
+    trophy = teaching.trophy()
+    python = ms.stylize(trophy, "brick", vertices=len(trophy.vertices), out=folder / "python", **{**teaching.STYLE, **quick})
     assert figures(python.verdict) == figures(lesson.verdict)
     with studio(folder=str(folder / "opened"), **quick) as made:
         assert made.wanted().recipe.settings == lesson.recipe.settings

@@ -34,18 +34,18 @@ def demo_command(
     *,
     settings: Settings,
     folder: Annotated[Path, typer.Option("--out", help="Where the runs, pictures and 3MF files go.")] = Path("demo-out"),
-    model: Annotated[str, typer.Option(help="What to style, a file or gallery:NAME.", show_default="the lessons' pawn")] = "",
+    model: Annotated[str, typer.Option(help="What to style, a file or gallery:NAME.", show_default="the lessons' trophy")] = "",
     prompt: Annotated[str, typer.Option(*TYPED["prompt"].flags, help=described("prompt"))] = "brick",
     device: Device = "auto",
     vertices: Vertices = STANDARD_VERTICES,
     as_json: Json = False,
 ) -> None:
-    """Style the chess pawn of the lessons as brick, freely and with feedback, and compare the verdicts."""
+    """Style the trophy of the lessons as brick, freely and with feedback, and compare what stays bent."""
     from mechstyle import teaching  # noqa: PLC0415 — physics is loaded when something is run
 
     if not model and vertices != STANDARD_VERTICES:
-        raise BadInput("--vertices is for a part of your own, because the pawn is meshed already: name one with --model, or leave it out")
-    asked, part = {**({} if model else teaching.STYLE), "prompt": prompt, **settings}, model or teaching.pawn()
+        raise BadInput("--vertices is for a part of your own, because the trophy is meshed already: name one with --model, or leave it out")
+    asked, part = {**({} if model else teaching.STYLE), "prompt": prompt, **settings}, model or teaching.trophy()
     tell(both_ways(part, asked, vertices, device, folder, as_json=as_json), folder, as_json=as_json)
 
 
@@ -56,7 +56,7 @@ def both_ways(model: str | Opened, settings: Settings, vertices: int, device: st
     runs = {}
     for label, freestyle in (("Freestyle", True), ("MechStyle", False)):
         if not as_json:
-            name = model if isinstance(model, str) else f"a chess {model.name}"
+            name = model if isinstance(model, str) else f"a {model.name}"
             err.print(f"[bold]{label}[/]: {escape(name)} as “{escape(settings['prompt'])}”")
         where, own = folder / label.lower(), {name: value for name, value in settings.items() if not (freestyle and name in FREESTYLE)}
         runs[label] = carry_out(model, own, vertices, {}, device, where, freestyle=freestyle, as_json=as_json)

@@ -11,6 +11,7 @@ from typing import Any, get_type_hints
 import nbformat
 import pytest
 
+from mechstyle import teaching
 from mechstyle.errors import BadInput
 from mechstyle.fea.drop import DropTest
 from mechstyle.records import SETTINGS
@@ -20,7 +21,7 @@ from mechstyle.runs.recipes import draft
 from mechstyle.runs.run import Run
 from support import ROOT
 
-KNOWN: dict[str, Any] = {"run": Run, "main": Run, "DropTest": DropTest}
+KNOWN: dict[str, Any] = {"run": Run, "main": Run, "DropTest": DropTest, "teaching": teaching}
 """What the notebooks call by these names: an object of a class, or the class or function itself."""
 WORDS = {str(value) for values in CHOICES.values() for value in values}
 SOLUTIONS = sorted((ROOT / "notebooks" / "solutions").glob("*.md"))
@@ -76,6 +77,15 @@ def test_what_the_answers_tell_to_write_exists(path):
     notebook = nbformat.read(ROOT / "notebooks" / f"{path.stem}.ipynb", as_version=4)
     source = "\n".join(cell.source for cell in notebook.cells if cell.cell_type == "code")
     assert [code for code in codes(path) if not right(code, source)] == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("path", SOLUTIONS, ids=lambda path: path.stem)
+def test_the_code_of_the_answers_runs_and_says_what_they_say(path, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for block in re.findall(r"```python\n(.*?)```", path.read_text(encoding="utf-8"), flags=re.DOTALL):
+        assert "assert " in block
+        exec(compile(block, path.name, "exec"), {})
 
 
 def test_code_that_does_not_exist_is_found():

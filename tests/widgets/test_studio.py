@@ -39,8 +39,8 @@ def test_settings_given_by_name_reach_the_recipe():
 def test_the_first_part_is_that_of_demo_and_lessons_in_their_style():
     studio = Studio(material="PETG")
     wanted = studio.wanted()
-    assert wanted.mesh is teaching.pawn()
-    assert (wanted.vertices, wanted.name) == (len(teaching.pawn().vertices), "pawn")
+    assert wanted.mesh is teaching.trophy()
+    assert (wanted.vertices, wanted.name) == (len(teaching.trophy().vertices), "trophy")
     lesson = teaching.settled(material="PETG", window=None)
     assert wanted.recipe.settings == lesson.settings
 
@@ -141,7 +141,7 @@ def test_another_part_is_shown_at_once():
 
 
 def test_another_part_has_defaults_of_its_own_and_one_undo_brings_all_back(cube):
-    """The first click on another part smeared one brick over a cup: it had the sizes and the vertices of the pawn."""
+    """The first click on another part smeared one brick over a cup: it had the sizes and the vertices of the trophy."""
     given = {"relief": 3.0, "side": "inwards", "feature": 9.0, "protect": ["sphere 0 0 0 2"], "vertices": 1382, "strengthen": 1.0}
     studio = Studio(cube, prompt="stone", height="2 m", **given)
     before = studio._all_settings()

@@ -24,7 +24,7 @@ from mechstyle.runs.images import remember
 from mechstyle.runs.recipes import FREESTYLE, brought, draft
 from mechstyle.runs.run import Run
 from mechstyle.simulation.estimate import estimated, landings_on_the_way, plan_of
-from mechstyle.teaching import STYLE, pawn
+from mechstyle.teaching import STYLE, trophy
 from mechstyle_widgets.jupyter.cell_output import OncePerCell
 from mechstyle_widgets.jupyter.frame import Frame
 from mechstyle_widgets.jupyter.language import speak
@@ -95,7 +95,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         """Open a part, or a run that was made before. The Studio is as wide as its cell.
 
         Args:
-            part: `gallery:NAME`, a file, a surface, a run, or a run directory, which may be written DIR@LANE; None for the chess pawn
+            part: `gallery:NAME`, a file, a surface, a run, or a run directory, which may be written DIR@LANE; None for the trophy
                 of the lessons, in their style.
             theme: `light` or `dark`, or `auto`, which follows the notebook's.
             language: What its controls are called in: `en` or `de`; of all Studios of this kernel that are made from now on.
@@ -107,7 +107,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         """
         speak(language)
         if part is None:
-            part = pawn()
+            part = trophy()
             settings = {**STYLE, "vertices": len(part.vertices), "name": part.name, **settings}
         run = run_in(part, settings.get("device", "auto"))
         if run is None:
