@@ -26,6 +26,7 @@ GROUPS = {
     "stone, clay and metal": (
         "brick", "stone", "concrete", "marble", "terracotta", "cracked_earth", "crystal", "realistic", "weathered", "hammered",
         "brushed_metal", "damascus", "tiles", "terrazzo", "herringbone", "shingles", "chainmail", "diamond_plate",
+        "corrugated", "half_timbered", "kintsugi",
     ),
     "cloth and leather": (
         "knit", "cable_knit", "crochet", "basket_weave", "twill", "quilting", "leather", "studs", "stripes", "tartan", "pleats", "fuzzy",
@@ -38,7 +39,7 @@ GROUPS = {
     ),
     "technical": (
         "carbon_fibre", "circuit", "grid", "grip", "isogrid", "knurling", "low_poly", "topographic", "voronoi", "panels", "spikes",
-        "spiral", "fluted",
+        "spiral", "fluted", "checkers", "cones",
     ),
     "ornaments": ("art_deco", "celtic_knot", "girih", "greek_key", "mandala", "waves", "dots", "bubbles", "ice", "glass", "lava"),
 }  # fmt: skip
