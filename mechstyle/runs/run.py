@@ -345,6 +345,20 @@ def stylize(
     return started(wanted, mesh, vertices=vertices, out=out, name=name, device=device, stage=stage, warn=logged).go(on_event)
 
 
+def _relief(
+    wanted: Recipe, shown: Callable[[Path], None] | None, out: Path | None, shape: Workpiece | Shape, *,
+    name: str, beside: bool, go_on: CancelCheck,
+) -> Field | None:  # fmt: skip
+    """The finished relief of a style [mm], shape [vertex_count]; a function of the module, which goes to a process that prepares a part."""
+    style = finished_style(shape, wanted, go_on)
+    if style is not None and shown is not None:
+        place = wanted.on(surface=shape.surface.digest, tetrahedra="")
+        folder = folder_for(default_folder(place) if out is None else out, place, beside=beside)
+        look = styled_panel(shape.surface.displaced(style.relief).coloured(style.colour), wanted)
+        shown(picture([look], title=name).save(folder / STYLED))
+    return None if style is None else style.relief
+
+
 def started(
     wanted: Recipe, part: SurfaceMesh | Workpiece, *,
     vertices: int = STANDARD_VERTICES, origin: Origin | None = None, out: str | Path | None = None, name: str = "part",
@@ -362,16 +376,8 @@ def started(
         beside: As for `begin`.
         shown: Called with the path of a picture of the finished style, written before the minutes that tetrahedra may take; None for none.
     """
-
-    def relief(shape: Workpiece | Shape, *, go_on: CancelCheck) -> Field | None:
-        style = finished_style(shape, wanted, go_on)
-        if style is not None and shown is not None:
-            place = wanted.on(surface=shape.surface.digest, tetrahedra="")
-            folder = folder_for(Path(default_folder(place) if out is None else out), place, beside=beside)
-            look = styled_panel(shape.surface.displaced(style.relief).coloured(style.colour), wanted)
-            shown(picture([look], title=name).save(folder / STYLED))
-        return None if style is None else style.relief
-
+    folder = None if out is None else Path(out)
+    relief = partial(_relief, wanted, shown, folder, name=name, beside=beside)
     device, clock = resolve_device(device), Clock()
     prepare = with_wall_warning(prepare, wanted.delivery.minimum_wall, warn)
     with clock.stages(stage) as begun:
