@@ -217,4 +217,5 @@ def note(verdict: Verdict) -> str:
 
 def figures(row: Row) -> str:
     """What a test found and what it allows."""
-    return f"{label(row)}: {found(row)} of {allowed(row)}"
+    value, comma, more = found(row).partition(", ")
+    return f"{label(row)}: {value} of {allowed(row)}{comma}{more}"

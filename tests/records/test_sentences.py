@@ -111,6 +111,12 @@ def test_on_a_badge_it_is_a_few_words(judged, words):
 # --- figures ------------------------------------------------------------------------------------------------------
 
 
+def test_millimetres_stand_together_and_a_crack_after_them():
+    """Red before: "0.15 mm, cracks of 0.20 mm"."""
+    assert sentences.figures(CRACKED) == "direction 3: 0.15 mm of 0.20 mm, cracks"
+    assert sentences.figures(FLAT) == "flat: 0.06 mm of 0.20 mm"
+
+
 @pytest.mark.parametrize(
     ("bent", "words"), [(0.0, "0 mm"), (0.0049, "0 mm"), (0.0051, "0.01 mm"), (0.126, "0.13 mm"), (9.94, "9.94 mm"), (12.4, "12 mm")]
 )
