@@ -110,7 +110,7 @@ def test_what_a_finished_run_delivers_carries_its_verdict(run, folder):
 def test_a_surface_that_was_not_tested_says_so_and_has_no_verdict(run, folder):
     given = run.exported(folder / "between.stl", iteration=6)
     assert given.verdict is None
-    assert "not simulated" in " ".join(given.warnings)
+    assert "NOT TESTED since iteration 4" in " ".join(given.warnings)
     assert command("export", f"{run.store.root}@6", "--out", folder / "between.glb", "--json").json["export"]["verdict"] is None
 
 
@@ -249,14 +249,15 @@ def test_other_settings_leave_a_finished_run_as_it_is(run):
 
 
 def test_a_caption_is_of_the_iteration_that_is_on_show(run):
-    """Tested ones by their outcome; after them the last test before, named; none of another run's."""
+    """Tested ones by their outcome, the others as not tested since the last test before."""
     tested = {entry.iteration: entry.verdict for entry in run.history if entry.verdict}
     with studio(run) as made:
         for iteration in (12, 8, 6):
             made.state.iteration = iteration
             said, last = words_of(made.viewer.badge), max(one for one in tested if one <= iteration)
-            assert tested[last].outcome in said, iteration
-            assert ("iteration" in said or "plain" in said) or last == 12, "what was tested earlier names when"
+            expected = tested[last].outcome if last == iteration else f"since iteration {last}"
+            assert expected in said, iteration
+            assert ("NOT TESTED" in said) is (last != iteration)
             np.testing.assert_allclose(made.viewer.subject.mesh.vertices, run.surface(iteration).vertices)
             shown = command("show", f"{run.store.root}@{iteration}", "--out", run.store.root.parent / "shown.png", "--json").json
             assert (shown["iteration"], shown["verdict"] is not None) == (iteration, iteration in tested)
