@@ -17,7 +17,9 @@ def pictures():
     spec = importlib.util.spec_from_file_location("pictures_of_docs", ROOT / "benchmarks" / "pictures.py")
     module = importlib.util.module_from_spec(spec)
     sys.modules[spec.name] = module
-    spec.loader.exec_module(module)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(ROOT / "benchmarks")  # as where it runs as a script: it takes the sheets from beside it
+        spec.loader.exec_module(module)
     yield module
     del sys.modules[spec.name]
 

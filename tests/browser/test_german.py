@@ -54,5 +54,5 @@ def test_a_page_in_german_has_no_word_of_english(shown):
     shown.drawn()
     shown.page.locator(".mechstyle-studio .js-plotly-plot .main-svg").first.wait_for()
     texts = shown.page.evaluate(WRITTEN)
-    assert {"Schritt", "Start", "Ganzer Bildschirm", "darf abweichen"} <= {*texts}
+    assert {"Schritt", "Start", "Ganzes Fenster", "darf abweichen"} <= {*texts}
     assert {text: found for text in texts if (found := english_in(text))} == {}

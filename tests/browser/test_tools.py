@@ -103,7 +103,7 @@ def test_places_are_kept_flown_to_saved_and_taken_away(studio):
         studio.keep(f"tools-places-{width}")
     studio.page.get_by_role("button", name="Take place 1 away").click()
     studio.until("studio._viewer.places", "()")
-    studio.page.wait_for_function("document.activeElement.title.startsWith('Keep the places')")  # else keys would go to the notebook
+    studio.page.wait_for_function("document.activeElement.title.startsWith('Marks, steps')")  # else keys would go to the notebook
 
 
 def test_no_key_reaches_the_notebook(studio):

@@ -64,8 +64,8 @@ for words in {commands!r}:
 """
 
 
-LONG = {"demo"}
-"""Commands that take minutes, each of them runs as `run` and `freestyle` make them."""
+LONG = {"demo", "studio"}
+"""Commands that take minutes, each of them runs as `run` and `freestyle` make them; or that serve until they are ended: tests/browser."""
 
 
 def test_every_command_works_without_a_network(finished, offline):

@@ -54,6 +54,7 @@ NAMES = {
     "styles": "--json",
     "gallery": "--json",
     "doctor": "--json",
+    "studio": "part --browser --language --no-browser --port",
     "weights": "",
     "weights fetch": "name --json",
     "weights list": "--json",

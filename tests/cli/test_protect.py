@@ -70,4 +70,4 @@ def test_a_file_comes_with_its_own_verdict(protected):
 def test_an_unknown_stylizer_is_refused(finished):
     line, _, _ = finished
     said = line.here("run", "gallery:pen_holder", "--prompt", "brick", "--stylizer", "picture", code=2).stderr
-    assert "the stylizer 'picture' is not here" in said
+    assert "stylizer 'picture'" in said  # what is known beside it depends on what else this process registered

@@ -158,4 +158,4 @@ def _borne(tets: TetMesh, material: Material, force: tuple[float, float, float])
     clamped, end = Patch(plane=(near, 0, 0, -1, 0, 0)), Patch(plane=(far, 0, 0, 1, 0, 0))
     case = LoadCase(name="load", supports=(Support(at=clamped),), loads=(Load(at=end, force=force),))
     found = StaticTest(tets, (case,)).loaded(tets, material, tolerance=NEVER)["load"]
-    return (found.factor if found.reached else MOST) * float(np.linalg.norm(force))
+    return (found.result.factor if found.result.reached else MOST) * float(np.linalg.norm(force))

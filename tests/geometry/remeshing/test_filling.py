@@ -350,14 +350,6 @@ def test_even_triangles_are_no_finer_than_those_that_come_even():
     assert len(coarser.faces) < len(surface.faces)
 
 
-def test_a_relief_of_the_surface_itself_keeps_its_triangles(embossed):
-    """It is lower than the tolerance of so thick a part, and was lost to two fifths."""
-    plain, styled = (even(mesh, 2500) for mesh in embossed)
-    evened, own = (module._filled_as(mesh, 5000.0, 1.0, 2.0, never_cancel) for mesh in (plain, styled))
-    assert len(evened.vertices) < 0.6 * len(plain.vertices)
-    assert len(own.vertices) > 0.95 * len(styled.vertices)
-
-
 def test_a_relief_is_exaggerated_no_further_than_the_shape_of_the_part_allows(block, monkeypatch):
     """A lampshade lost 0.9 mm of a rim of 2 mm to the triangles that its bricks were given."""
     x, y, z = block.vertices.T

@@ -482,7 +482,7 @@ def test_loads_of_another_recipe_are_not_those_of_the_file_named_last(load_file)
 def test_a_refusal_stands_under_the_prompt_with_the_nearest_styles_to_press():
     """It stood eleven controls further down, with 46 names and an option of the command line."""
     box = PromptBox("my saxophone")
-    asked, _, trouble, chips, *_ = box.children
+    asked, _, trouble, _, chips, *_ = box.children
     assert (asked, chips) == (box._text, box._chips)
     assert "“my saxophone” names no style. Near it are these" in trouble.value
     assert len(trouble.value) < 250

@@ -60,7 +60,7 @@ class Toolbar(ipywidgets.HBox):  # type: ignore[misc]  # ipywidgets has no types
         self._shot = _button("camera", "Make a picture of this to save")
         self._download = lean(ipywidgets.HTML)
         seldom = lean(ipywidgets.HBox, [self._marks, self._stepped, self._parallel, self._tools["places"]])
-        more = _toggle("ellipsis-h", "Marks, steps, parallel look, kept places")
+        self._more = more = _toggle("ellipsis-h", "Marks, steps, parallel look, kept places")
         more.observe(lambda change: show(seldom, change["new"]), "value")
         show(seldom, False)
         first = [self.choice, self._view, self._fit, self.both, self._cut, self._tools["measure"], self._shot, more, seldom, self._download]
@@ -107,8 +107,8 @@ class Toolbar(ipywidgets.HBox):  # type: ignore[misc]  # ipywidgets has no types
         self.both.description = word(name)
 
     def rest(self) -> None:
-        """Take the focus."""
-        self._tools["places"].focus()
+        """Take the focus, with what is always in sight."""
+        self._more.focus()
 
     def _take(self, name: str, *, taken: bool) -> None:
         if taken or self.tool == name:
