@@ -17,7 +17,7 @@ from mechstyle.geometry.cancelling import never_cancel
 from mechstyle.geometry.proximity import TriangleTree
 from mechstyle.geometry.remeshing import filling as module
 from mechstyle.geometry.remeshing import tetwild as worker
-from mechstyle.geometry.remeshing.evening import even, surface_of
+from mechstyle.geometry.remeshing.evening import surface_of
 from mechstyle.geometry.remeshing.filling import fill
 from mechstyle.geometry.remeshing.tolerances import TOL
 from mechstyle.records.mesh import SurfaceMesh, TetMesh
