@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from ipywidgets.widgets.widget_int import _BoundedInt
 
+from mechstyle.pictures.fields import STAYS_BENT
 from mechstyle.records import sentences
 from mechstyle_widgets.jupyter.looks import family
 from mechstyle_widgets.panels.run_controls import AT_REST
@@ -181,7 +182,9 @@ def assert_shows_the_iteration(viewer: RunViewer, state: StudioState) -> None:
     np.testing.assert_array_equal(viewer.subject.mesh.faces, surface.faces)
     np.testing.assert_allclose(viewer.subject.layer("stress").values, state.checkpoint.stress)
     if viewer.player.impact is None:
-        np.testing.assert_allclose(viewer.subject.mesh.vertices, surface.displaced(state.checkpoint.displacement).vertices)
+        bend = 0.0 if viewer.layer != STAYS_BENT else viewer.player.exaggeration * viewer.subject.bend
+        at_rest = surface.displaced(state.checkpoint.displacement).vertices
+        np.testing.assert_allclose(viewer.subject.mesh.vertices, at_rest + bend, rtol=1e-6)
         np.testing.assert_allclose(viewer._scenes[0]._vertices.array, viewer.subject.mesh.vertices, atol=1e-4)
 
 

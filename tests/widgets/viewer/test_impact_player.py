@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from mechstyle.errors import SimulationFailed
-from mechstyle.pictures.fields import MOMENT
+from mechstyle.pictures.fields import MOMENT, STAYS_BENT
+from mechstyle.pictures.panels import exaggeration
 from mechstyle.records.sentences import bend
 from mechstyle.runs.run import Run
 from mechstyle.simulation.impact import Impact
@@ -123,6 +124,17 @@ def test_what_was_on_show_before_an_impact_is_on_show_after_it(viewer, state):
     viewer.layer = "demand"
     viewer.player.put_away()
     assert viewer.layer == "demand", "somebody chose it meanwhile"
+
+
+def test_what_stays_bent_takes_the_place_of_an_impact(viewer, state):
+    """The impact stood there in the colours of what stays bent, and back at rest the part was bent by the factor of the impact."""
+    viewer.player.play()
+    viewer.player.exaggeration = 100.0
+    viewer.layer = STAYS_BENT
+    assert (viewer.layer, viewer.player.impact) == (STAYS_BENT, None)
+    still, factor = state.run.surface(12), exaggeration(viewer.subject.most_bent, state.run.surface(12).size)
+    assert np.allclose(viewer.subject.mesh.vertices, still.vertices + factor * viewer.subject.bend)
+    assert f"bend drawn × {factor:g}" in viewer._legend.value
 
 
 def test_after_a_landing_on_its_side_one_looks_at_the_part_that_stands_again(viewer, impact, monkeypatch):

@@ -226,8 +226,10 @@ class RunViewer(Linked, Viewer):
                 self.original, self.third = beside[0], beside[1] if len(beside) > 1 else None
 
     def _bend(self, change: Any) -> None:
-        """Show the part in the shape that stays, or as it is again."""
+        """Show the part in the shape that stays, or as it is again; an impact, which ends in that shape, is put away for it."""
         if STAYS_BENT in (change["new"], change["old"]):
+            if change["new"] == STAYS_BENT:
+                self.player.put_away()
             self.player.exaggeration = DEFORMED
             self._magnify()
             self._show_moment()
