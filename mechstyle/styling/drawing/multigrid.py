@@ -18,10 +18,13 @@ from mechstyle.records.mesh import Bools, Floats
 
 FEWEST = 8_000
 """Vertices for which a system is solved as it is."""
-STEPS = 12
-"""Steps of conjugate gradients on all vertices, each with one cycle through the grids …"""
+STEPS, LOWEST_STEPS = 12, 20
+"""Steps of conjugate gradients on all vertices towards a solution, and towards a lowest wave, each with one cycle through the grids …"""
 SWEEPS, DAMPING = 2, 0.6
 """… and with so many steps of damped Jacobi on each on the way down, and on the way up."""
+STRONG = 0.25
+"""A vertex is interpolated from those it is linked to with at least so much of the strongest link of either (Ruge and Stüben 1987)."""
+_CONVERGED = 1e-6  # of a wave of mass one, what is left of its equation: lobpcg's own would be 1.5e-8 times the size of the matrix
 _SCATTER = 2_654_435_761
 
 
@@ -54,8 +57,9 @@ class Grids:
             return np.asarray(found)
         for matrix in reversed(self._interpolations):
             found = matrix @ found
-        with warnings.catch_warnings(action="ignore"):  # that it has not converged is what is asked for
-            near = lobpcg(self.matrices[0], found[:, None], B=inertia, M=self._inverse, largest=False, maxiter=STEPS)[1]
+        with warnings.catch_warnings(action="ignore"):  # it warns where the steps have ended first
+            options = {"largest": False, "maxiter": LOWEST_STEPS, "tol": _CONVERGED}
+            near = lobpcg(self.matrices[0], found[:, None], B=inertia, M=self._inverse, **options)[1]
         return np.asarray(near[:, 0])
 
     @property
@@ -84,15 +88,24 @@ def interpolation(matrix: sp.csr_array) -> sp.csr_array:
     apart = one != other
     links = sp.csr_array((entries.data[apart] ** 2, (one[apart], other[apart])), shape=(count, count))
     links.data = np.sqrt(0.5 * links.data)  # of a rotation times a weight, that weight
-    stays = independent(links)
+    firm = strong(links)
+    stays = independent(firm)
     place, left = np.cumsum(stays) - 1, int(stays.sum())
+    weight = firm @ stays.astype(np.float64)
     kept = np.flatnonzero(apart & ~stays[one] & stays[other])
-    weight = links @ stays.astype(np.float64)
+    kept = kept[np.asarray(firm[one[kept], other[kept]]).ravel() > 0.0]
     there = np.flatnonzero(stays)
     rows = np.concatenate([entries.row[kept], there, there + count])
     columns = np.concatenate([place[other[kept]] + left * (entries.col[kept] // count), place[there], place[there] + left])
     values = np.concatenate([-entries.data[kept] / weight[one[kept]], np.ones(2 * left)])
     return sp.csr_array((values, (rows, columns)), shape=(2 * count, 2 * left))
+
+
+def strong(links: sp.csr_array) -> sp.csr_array:
+    """The links [n, n] that matter: where some hold far less than others, a wave bends freely across these."""
+    strongest, pairs = links.max(axis=1).toarray().ravel(), links.tocoo()
+    kept = pairs.data >= STRONG * np.minimum(strongest[pairs.row], strongest[pairs.col])
+    return sp.csr_array((pairs.data[kept], (pairs.row[kept], pairs.col[kept])), shape=links.shape)
 
 
 def independent(links: sp.csr_array) -> Bools:
