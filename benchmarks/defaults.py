@@ -23,8 +23,8 @@ WORTH_TELLING = 0.9
 HEAD = """\
 # Why these defaults
 
-What each mechanism is worth, measured by taking it away. `python -m benchmarks.study ablation --models … --styles …` runs the arms below
-on any parts and styles, in a fall, under a load and with deep relief, and writes every row.
+What each mechanism is worth, measured by taking it away. Made by `python -m benchmarks.defaults` of rows that
+`python -m benchmarks.study ablation --models … --styles …` measured.
 
 | arm | what is left |
 |---|---|

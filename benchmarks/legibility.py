@@ -1,11 +1,10 @@
 """Every style in plain grey on cups of several walls and sizes: by how much its picture differs from that of the cup without it.
 
 The figure is the mean difference over the pixels of the part, in levels of 255; styles that are meant to have relief should reach 8.
-Writes docs/legibility.md and a contact sheet; what was measured before is kept in the .json.
+Writes docs/legibility.json, of which the page of evidence has a table, and a contact sheet.
 
 python benchmarks/legibility.py                      # every style on every cup
 python benchmarks/legibility.py brick fish_scales    # some of them
-python benchmarks/legibility.py --page               # the page alone
 """
 
 from __future__ import annotations
@@ -20,7 +19,7 @@ from sheets import Specimen, lettered, png
 from mechstyle.geometry.remeshing.evening import surface_of
 from mechstyle.pictures.colormap import PLAIN
 from mechstyle.pictures.scene import BACKGROUND, Camera, render
-from mechstyle.records.mesh import STANDARD_VERTICES, SurfaceMesh
+from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.styling.library import names
 from mechstyle.styling.prompt import Wish
 
@@ -33,23 +32,9 @@ CUPS = {
     "250 mm, 3 mm wall": (250.0, 3.0),
 }
 """Height and wall of each cup [mm]."""
-LEGIBLE = 8.0
 PIXELS, LINE = 220, 26
 BARE = 4
 """Levels between a pixel of the part and the background from which it counts as one."""
-HEAD = """\
-# Styles in plain grey
-
-A print in one colour shows the relief alone. The figures are the mean difference between grey pictures of a cup with a style and without,
-in levels of 255, over the pixels of the cup. Each style is finished and unrestrained, on {vertices} vertices. Made by
-`python benchmarks/legibility.py`; [legibility.json](legibility.json) has the figure of each style. From about 8 on a style is seen at a
-glance. {below}
-
-![Each style on cups, in grey](legibility.png)
-
-"""
-
-
 def cup(height: float, wall: float) -> SurfaceMesh:
     """A round cup without fillets, as wide as it is high times 0.8 [mm]."""
     from manifold3d import Manifold  # noqa: PLC0415
@@ -73,42 +58,26 @@ def difference(plain: np.ndarray, styled: np.ndarray) -> float:
 
 
 def main() -> None:
-    """Measure and write the page."""
+    """Measure, and draw the sheet."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("styles", nargs="*", choices=[*names(), []])
-    parser.add_argument("--page", action="store_true")
     asked = parser.parse_args()
     path, sheets = DOCS / "legibility.json", DOCS.parent / "build" / "legibility"
     known = msgspec.json.decode(path.read_bytes(), type=dict[str, dict[str, float]]) if path.exists() else {}
     sheets.mkdir(parents=True, exist_ok=True)
-    if not asked.page:
-        for told, (height, wall) in CUPS.items():
-            part = Specimen.of(cup(height, wall))
-            camera = Camera.named("three_quarter", part.surface.vertices)
-            plain = grey(part.surface, camera)
-            for style in asked.styles or names():
-                styled = grey(part.styled(Wish(style))[0], camera)
-                np.save(sheets / f"{style}-{list(CUPS).index(told)}.npy", styled.astype(np.uint8))
-                known.setdefault(style, {})[told] = round(difference(plain, styled), 1)
-                print(f"{style} on {told}: {known[style][told]}", flush=True)
+    for told, (height, wall) in CUPS.items():
+        part = Specimen.of(cup(height, wall))
+        camera = Camera.named("three_quarter", part.surface.vertices)
+        plain = grey(part.surface, camera)
+        for style in asked.styles or names():
+            styled = grey(part.styled(Wish(style))[0], camera)
+            np.save(sheets / f"{style}-{list(CUPS).index(told)}.npy", styled.astype(np.uint8))
+            known.setdefault(style, {})[told] = round(difference(plain, styled), 1)
+            print(f"{style} on {told}: {known[style][told]}", flush=True)
     path.write_bytes(msgspec.json.format(msgspec.json.encode(dict(sorted(known.items()))), indent=1) + b"\n")
-    (DOCS / "legibility.md").write_text(page(known))
     shown = [index for index in range(len(CUPS)) if all((sheets / f"{style}-{index}.npy").exists() for style in known)]
     if shown:
         (DOCS / "legibility.png").write_bytes(sheet(sheets, sorted(known), shown))
-
-
-def page(known: dict[str, dict[str, float]]) -> str:
-    """The page in Markdown."""
-    low = sum(figure < LEGIBLE for row in known.values() for figure in row.values())
-    whole = sum(map(len, known.values()))
-    below = f"{low} of {whole} pictures fall short of that." if low else f"All {whole} pictures reach that."
-    lines = ["| cup | least | median | most |", "|---|---|---|---|"]
-    for told in CUPS:
-        row = sorted((row[told], style.replace("_", " ")) for style, row in known.items() if told in row)
-        (least, weakest), (most, strongest) = row[0], row[-1]
-        lines.append(f"| {told} | {least:.1f} ({weakest}) | {row[len(row) // 2][0]:.1f} | {most:.1f} ({strongest}) |")
-    return HEAD.format(below=below, vertices=f"{STANDARD_VERTICES:,}".replace(",", " ")) + "\n".join(lines) + "\n"
 
 
 def sheet(folder: Path, styles: list[str], cups: list[int]) -> bytes:

@@ -1,11 +1,11 @@
-"""Every part of the gallery in even triangles, filled: count, quality, deviation, elements x steps. Writes docs/meshing.md.
+"""Every part of the gallery in even triangles, filled: count, quality, deviation, elements x steps: docs/meshing.json.
 
 What was measured before is kept in its .json; a part takes some five CPU seconds.
 
 python benchmarks/meshing.py                  # every part, 10 000 vertices asked for
 python benchmarks/meshing.py lampshade vase   # some of them
 python benchmarks/meshing.py --drops          # what a drop on their tetrahedra takes, the surfaces as measured before
-python benchmarks/meshing.py --page           # the page alone
+python benchmarks/meshing.py --show           # the table of what was measured
 """
 
 from __future__ import annotations
@@ -34,29 +34,9 @@ DOCS = Path(__file__).parent.parent / "docs"
 ASKED = 10_000
 PLACES = np.array([[1, 1, 1], [3, 0, 0], [1.5, 1.5, 0], [0, 1.5, 1.5], [1.5, 0, 1.5]]) / 3.0
 """Weights of a triangle's corners at the places whose distance from the other surface is measured."""
-HEAD = """\
-# Even triangles
-
-The remesher on the parts of the gallery, {asked} vertices asked for: {count} of {planned} parts. Made by
-`python benchmarks/meshing.py`. CPU seconds are of one core of a busy x86-64 server.
-
-* **vertices**: of the drawn part, and after remeshing; 5 % more or fewer than asked for are accepted.
-
-* **edge**: mean length [mm].
-
-* **quality**: 4 √3 A / Σ l² of the triangles, 1 for equal sides: the mean, and the value that 1 % of them fall short of.
-
-* **crossing**: pairs of triangles that cross without a shared corner, before and after: {crossed} of the parts have any after{which}.
-
-* **off**: largest distance of either surface from the other [mm].
-
-* **CPU**: seconds, all trials of the edge length included.
-
-* **tets**: tetrahedra of the plain part. **steps**: of a drop through one lowest period (PLA, quadratic tetrahedra), the least that a
-  drop takes. A drop costs their **product** [million].{dash}
-
-"""
-COLUMNS = ("part", "vertices", "edge", "quality", "crossing", "off", "CPU", "tets", "steps", "product")
+COLUMNS = ("part", "vertices", "edge [mm]", "quality", "crossing", "off [mm]", "CPU [s]", "tets", "steps", "product [million]")
+"""Vertices and crossing pairs before and after; quality 4 √3 A / Σ l² of the triangles, its mean and what 1 % fall short of; the largest
+distance of either surface from the other; steps of a drop through one lowest period, which a drop takes at least: it costs the product."""
 
 
 class Measured(msgspec.Struct):
@@ -121,32 +101,22 @@ def work(found: Measured) -> tuple[str, str, str]:
     return str(found.tetrahedra), str(found.steps), f"{found.tetrahedra * found.steps / 1e6:.0f}"
 
 
-def page(known: dict[str, Measured]) -> str:
-    """The page of what is known."""
-    crossed = [f"{name.replace('_', ' ')} {found.crossings[1]}" for name, found in known.items() if found.crossings[1]]
-    which = f" ({', '.join(crossed)})" if crossed else ""
-    dash = " A dash: not counted yet." if any(found.tetrahedra is None for found in known.values()) else ""
-    head = HEAD.format(dash=dash, asked=ASKED, count=len(known), planned=len(gallery.names()), crossed=len(crossed) or "none", which=which)
-    table = ["| " + " | ".join(COLUMNS) + " |", "|" + "---|" * len(COLUMNS), *(row(name, known[name]) for name in sorted(known))]
-    return head + "\n".join(table) + "\n"
-
-
 def main() -> None:
-    """Measure the parts named, or all; write what is known of all."""
+    """Measure the parts named, or all; print what is known of all."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("parts", nargs="*", choices=[*gallery.names(), []])
     parser.add_argument("--drops", action="store_true", help="measure what a drop takes, and not the surfaces")
-    parser.add_argument("--page", action="store_true", help="write the page alone")
+    parser.add_argument("--show", action="store_true", help="print what was measured, and measure nothing")
     given = parser.parse_args()
     kept = DOCS / "meshing.json"
     known = msgspec.json.decode(kept.read_bytes(), type=dict[str, Measured]) if kept.is_file() else {}
-    for name in [] if given.page else given.parts or gallery.names():
+    for name in [] if given.show else given.parts or gallery.names():
         found = known[name] if given.drops else measure(name)
         tetrahedra, steps = counted(name)
         known[name] = msgspec.structs.replace(found, tetrahedra=tetrahedra, steps=steps)
         print(row(name, known[name]), flush=True)
         kept.write_bytes(msgspec.json.format(msgspec.json.encode(known), indent=1))
-    (DOCS / "meshing.md").write_text(page(known))
+    print("| " + " | ".join(COLUMNS) + " |", "|" + "---|" * len(COLUMNS), *(row(name, known[name]) for name in sorted(known)), sep="\n")
 
 
 if __name__ == "__main__":

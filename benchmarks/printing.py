@@ -1,10 +1,10 @@
 """Parts of the gallery styled, written for the slicer and sliced by PrusaSlicer: watertight, warnings, walls, changes.
 
-Needs prusa-slicer on PATH, lib3mf, and minutes a part. Writes docs/print-benchmark.md; what was measured before is kept in its .json.
+Needs prusa-slicer on PATH, lib3mf, and minutes a part. What was measured is kept in docs/print-benchmark.json.
 
 python benchmarks/printing.py                  # the parts of PARTS
 python benchmarks/printing.py drawer_knob      # some of them
-python benchmarks/printing.py --page           # the page alone
+python benchmarks/printing.py --show           # the table of what was measured
 python benchmarks/printing.py --picture RUN    # docs/printing.png
 """
 
@@ -42,19 +42,6 @@ MACHINE = (
     *("--nozzle-diameter", "0.4,0.4,0.4,0.4", "--filament-diameter", "1.75,1.75,1.75,1.75", "--temperature", "210,210,210,210"),
     *("--single-extruder-multi-material", "--layer-height", "0.2"),
 )
-HEAD = """\
-# Print benchmark
-
-Parts of the gallery, styled offline, exported as 3MF painted in four filaments, and sliced by PrusaSlicer 2.5 (layers of 0.2 mm, one
-nozzle of 0.4 mm that changes filament). {count} of {planned} parts, {vertices} vertices, {iterations} iterations. Made by
-`python benchmarks/printing.py`.
-
-* **watertight**: closed and oriented, by the 3MF Consortium's lib3mf in strict mode and by PrusaSlicer.
-* **slicer warnings**: repairs and warnings of PrusaSlicer.
-* **thinnest wall** and **crossing pairs** of triangles: of the exported surface, before and after the style.
-* **changes** of filament: [counted](printing.md#what-it-costs) by MechStyle before slicing, and in the G-code.
-
-"""
 COLUMNS = (
     "part", "style", "watertight", "slicer warnings", "thinnest wall [mm]", "crossing pairs", "layers",
     "changes, counted", "changes, sliced",
@@ -140,10 +127,10 @@ def draw(run: Run) -> None:
 
 
 def main() -> None:
-    """Measure the parts named, or all; write what is known of all."""
+    """Measure the parts named, or all; print what is known of all."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("parts", nargs="*", choices=[*PARTS, []])
-    parser.add_argument("--page", action="store_true", help="write the page alone")
+    parser.add_argument("--show", action="store_true", help="print what was measured, and measure nothing")
     parser.add_argument("--picture", metavar="RUN", help="draw docs/printing.png of a run, and nothing else")
     given = parser.parse_args()
     if given.picture:
@@ -151,14 +138,13 @@ def main() -> None:
         return
     kept = DOCS / "print-benchmark.json"
     known = msgspec.json.decode(kept.read_bytes(), type=dict[str, Measured]) if kept.is_file() else {}
-    for name in [] if given.page else given.parts or PARTS:
+    for name in [] if given.show else given.parts or PARTS:
         with tempfile.TemporaryDirectory() as folder:
             known[name] = measure(name, PARTS[name], Path(folder))
         print(row(name, known[name]), flush=True)
         kept.write_bytes(msgspec.json.format(msgspec.json.encode(known), indent=1))
     lines = [row(name, known[name]) for name in PARTS if name in known]
-    table = ["| " + " | ".join(COLUMNS) + " |", "|" + "---|" * len(COLUMNS), *lines]
-    (DOCS / "print-benchmark.md").write_text(HEAD.format(count=len(lines), planned=len(PARTS), **SIZE) + "\n".join(table) + "\n")
+    print("| " + " | ".join(COLUMNS) + " |", "|" + "---|" * len(COLUMNS), *lines, sep="\n")
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Where the time and memory of a run go, stage by stage: one JSON file a run, and docs/speed.md's table of several.
+"""Where the time and memory of a run go, stage by stage: one JSON file a run, and the table of several.
 
 A run is made from an empty cache, and the functions that its stages consist of are timed from outside: by the clock, and on the processor
 with the child processes that have ended. A stage within another counts for itself alone. Memory is the most that this process, and any

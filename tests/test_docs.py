@@ -13,6 +13,8 @@ import mechstyle
 from mechstyle.records.recipe import SETTINGS
 from mechstyle.records.sentences import EXPLANATION, MEANINGS
 from mechstyle.records.words import WORDS
+from mechstyle.runs.recipes import draft
+from mechstyle.styling.prompt import reading_of
 from support import ROOT
 
 SITE = ROOT / "docs" / "site"
@@ -27,7 +29,10 @@ def generated(name):
         return importlib.import_module(name)
 
 
-PROSE = generated("prose")
+with pytest.MonkeyPatch.context() as site:
+    site.syspath_prepend(str(SITE))
+    PROSE = generated("prose")
+    importlib.import_module("generated")  # which the limits of generated pages ask
 PAGES = PROSE.pages()
 
 
@@ -76,6 +81,28 @@ def test_what_is_generated_names_every_command_setting_and_public_name():
 
 def test_every_page_is_short_and_plain_and_names_what_exists():
     assert list(PROSE.found()) == []
+
+
+def test_more_pages_words_and_links_than_may_be_are_found(monkeypatch):
+    """The check is one that can fail."""
+    for name, less in (("ALL", 10), ("GENERATED", 10), ("PAGES", 5), ("SIDEBAR", 5), ("WORDS", {"docs/index.md": 5})):
+        monkeypatch.setattr(PROSE, name, less)
+    said = [line.partition(" ")[2] for line in PROSE.large(12)]
+    assert said == [
+        "words are written in all, 10 at most", "words are generated, 10 at most", "pages are written in docs/, 5 at most",
+        "links are in the sidebar, 5 at most", "words are in docs/index.md, 5 at most",
+    ]  # fmt: skip
+
+
+def test_every_texture_that_the_page_for_slicers_names_is_read_as_the_page_says():
+    page = PROSE.markdown(ROOT / "docs" / "textures.md")
+    rows = re.findall(r"^\| (`.+?`) \| ([a-z ]+) \|$", page, re.MULTILINE)
+    assert len(rows) > 20
+    for asked, style in rows:
+        for name in re.findall(r"`(.+?)`", asked):
+            reading = reading_of(draft(prompt=name))
+            assert reading.words.split(",")[0] == style, name
+            assert reading.notes == (), name
 
 
 @pytest.mark.parametrize(
@@ -159,7 +186,7 @@ JUDGES = {
 
 
 def test_the_table_of_constants_tells_their_values_and_has_a_dozen_at_most():
-    rows = re.findall(r"^\| `(\w+)\.(\w+)` \| ([\d.]+)", PROSE.markdown(ROOT / "docs" / "how-mechstyle-judges.md"), re.MULTILINE)
+    rows = re.findall(r"^\| `(\w+)\.(\w+)` \| ([\d.]+)", PROSE.markdown(ROOT / "docs" / "sign.md"), re.MULTILINE)
     assert 8 <= len(rows) <= 12
     for module, name, told in rows:
         value = getattr(importlib.import_module(f"mechstyle.{JUDGES[module]}.{module}"), name)
@@ -185,8 +212,8 @@ def test_the_walk_from_a_surface_to_its_verdict_is_short_and_leads_from_file_to_
 
 
 def test_what_shows_that_nothing_is_passed_that_fails_is_there():
-    page = PROSE.markdown(ROOT / "docs" / "how-mechstyle-judges.md")
-    table = page.split("## Where it might pass what fails")[1].split("## What it does not say")[0]
+    page = PROSE.markdown(ROOT / "docs" / "sign.md")
+    table = page.split("## Where it might pass what fails")[1].split("\n## ")[0]
     named = set(re.findall(r"`(\w+)`", table))
     tests = "".join(path.read_text() for path in (ROOT / "tests").rglob("test_*.py"))
     assert len(named) > 20

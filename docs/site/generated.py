@@ -1,6 +1,7 @@
 """The pages of the site that are made of the code: every command, setting, public name and word, and a report."""
 
 import inspect
+import json
 import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -15,6 +16,7 @@ from mechstyle.records.recipe import CHAPTERS, CHOICES, DEFAULTS, LIMITS, descri
 from mechstyle.records.words import WORDS
 from mechstyle.runs.run import Run
 
+ROOT = Path(__file__).resolve().parent.parent.parent
 REPORT = "example-report.html"
 DIRECTIVES = {"Functions": "autofunction", "Classes": "autoclass", "Errors": "autoexception"}
 """What Sphinx reads the docstrings of public names by."""
@@ -30,14 +32,23 @@ def commands(command: Any, name: str = "mechstyle") -> Iterator[tuple[str, Any]]
 
 
 def command_line(*_: object) -> str:
-    """A section for each command, with its arguments and options."""
-    return "\n\n".join(_of_command(name, command) for name, command in commands(typer.main.get_command(app)))
+    """A section for each command, with its arguments and options; an option is described where it comes first."""
+    described: dict[str, str] = {}
+    return "\n\n".join(_of_command(name, command, described) for name, command in commands(typer.main.get_command(app)))
 
 
-def _of_command(name: str, command: Any) -> str:
+def _of_command(name: str, command: Any, described: dict[str, str]) -> str:
+    """Its section; `described` has the command in which an option was described, by the option with its help."""
     arguments = [one for one in command.params if one.param_type_name == "argument"]
     typed = " ".join([name, *map(_metavar, arguments), "[OPTIONS]"])
-    rows = [f"| {_called(one)} | {_plain(one.help or '')} | {_default(one)} |" for one in command.params if one.name != "help"]
+    rows, again = list[str](), dict[str, list[str]]()
+    for one in (one for one in command.params if one.name != "help"):
+        said = f"{_called(one)} {one.help}"
+        if (first := described.setdefault(said, name)) == name:
+            rows.append(f"| {_called(one)} | {_plain(one.help or '')} | {_default(one)} |")
+        else:
+            again.setdefault(first, []).append(_called(one))
+    rows += [f"| {', '.join(options)} | as of `{first}` | |" for first, options in again.items()]
     table = ["| option | description | default |", "|---|---|---|", *rows] if rows else []
     return "\n".join([f"## `{name}`", "", _plain(command.help or ""), "", f"```text\n{typed}\n```", "", *table])
 
@@ -118,6 +129,23 @@ def _directives(kind: str, found: list[str]) -> str:
     return "\n\n".join(f".. {DIRECTIVES[kind]}:: {name}{more}" for name in found)
 
 
+LEGIBLE = 8.0
+"""Mean difference between grey pictures from which on a style is seen at a glance [levels of 255]."""
+
+
+def legibility(*_: object) -> str:
+    """A row for each cup: the least, the median and the most that its styles differ from it, and how many fall short."""
+    known = json.loads((ROOT / "docs" / "legibility.json").read_text(encoding="utf-8"))
+    lines = ["| cup | least | median | most |", "|---|---|---|---|"]
+    for cup in dict.fromkeys(cup for figures in known.values() for cup in figures):
+        row = sorted((figures[cup], style.replace("_", " ")) for style, figures in known.items() if cup in figures)
+        (least, weakest), (most, strongest) = row[0], row[-1]
+        lines.append(f"| {cup} | {least:.1f} ({weakest}) | {row[len(row) // 2][0]:.1f} | {most:.1f} ({strongest}) |")
+    figures = [figure for row in known.values() for figure in row.values()]
+    short = sum(figure < LEGIBLE for figure in figures)
+    return "\n".join([*lines, "", f"{short or 'None'} of {len(figures)} pictures fall short of {LEGIBLE:g}."])
+
+
 def report(cache: Path) -> None:
     """Write the report of the tutorial's run, which goes on where it stopped."""
     part = mechstyle.load("gallery:drawer_knob")
@@ -138,6 +166,6 @@ def report_frame(cache: Path, _execute: str) -> str:
 
 PAGES: dict[str, Callable[[Path, str], str]] = {
     "every command": command_line, "every setting": settings, "every name": names, "every word": glossary,
-    "a report": report_frame,
+    "a report": report_frame, "styles in grey": legibility,
 }  # fmt: skip
 """What is made for each place that a page marks, in a comment."""

@@ -69,6 +69,8 @@ def _mark_as_plain(command: Any) -> None:
     for documented in (command, *command.params):
         if documented.help:
             documented.help = escape(documented.help)
+    if getattr(command, "epilog", None):
+        command.epilog = escape(command.epilog)
     for below in getattr(command, "commands", {}).values():
         _mark_as_plain(below)
 

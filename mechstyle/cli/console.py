@@ -104,13 +104,14 @@ def in_colour(cell: str) -> str:
     return f"{escape(cell.removesuffix(outcome))}{verdict_text(outcome)}" if outcome else escape(cell)
 
 
-def report_verdict(verdict: Verdict) -> None:
-    """Print a verdict: its head, the table of tests, and what is in doubt."""
+def report_verdict(verdict: Verdict, *, details: bool = False) -> None:
+    """Print a verdict: its head, the table of tests, and what is in doubt; with details every landing has a row."""
     out.print(headline(verdict))
     if verdict.rows:
-        headings, rows = sentences.tabulated(verdict)
+        headings, rows = sentences.tabulated(verdict, briefly=not details)
         made = table(*headings)
-        for row, cells in zip(verdict.rows, rows, strict=True):
+        shown = verdict.rows if details else [row for row, _ in sentences.worst_of_each(verdict)]
+        for row, cells in zip(shown, rows, strict=True):
             made.add_row(*map(escape, cells[:-1]), verdict_text(row.outcome, sure=row.sure))
         out.print(made)
     if verdict.doubt:
@@ -154,19 +155,22 @@ def table(*columns: str, title: str = "", width: int | None = None) -> Table:
 
 
 LINE_EVERY = 10.0
-"""Time between two lines where no bar can be shown [s]."""
+"""Time between two looks at what is being done, where no bar can be shown [s]."""
+LONG = 6
+"""Looks after which a stage that goes on is named again."""
 
 
 class ProgressDisplay:
     """Shows what a run is doing: a bar over the iterations, the stage in hand, time left, a line per simulation."""
 
-    def __init__(self, progress: Progress, iterations: int) -> None:
-        """Start the bar."""
+    def __init__(self, progress: Progress, iterations: int, said: set[str]) -> None:
+        """Start the bar; sentences that are said once are kept in `said`."""
         self._progress = progress
         self._task = progress.add_task("preparing", total=iterations)
         self._what, self._done = "preparing", 0.0
         self._begun = time.monotonic()
-        self._warned: set[str] = set()
+        self._named, self._looks = "", 0
+        self.said = said
 
     def shown(self, path: Path) -> None:
         """Where a picture of the finished style is, which nothing has tested yet."""
@@ -188,17 +192,25 @@ class ProgressDisplay:
         self._progress.update(self._task, description=f"{self._what} {self._done:4.0%}")
 
     def line(self) -> None:
-        """Print what is being done, for who sees no bar."""
+        """Print what is being done, for who sees no bar: once for each stage, and again where it takes long."""
+        self._looks = self._looks + 1 if self._named == self._what else 0
+        if self._looks % LONG:
+            return
+        self._named = self._what
         task = self._progress.tasks[self._task]
         done = f", {task.completed:.0f} of {task.total:.0f}" if task.total and task.total > 1 else ""
         self._progress.console.print(f"[dim]{time.monotonic() - self._begun:4.0f} s: {escape(task.description)}{done}[/]")
 
     def warn(self, sentences: Iterable[str]) -> None:
         """Say what is to be known before the end, each sentence once, however often a part is prepared."""
-        for sentence in sentences:
-            if sentence not in self._warned:
-                self._progress.console.print(f"[yellow]warning:[/] {escape(sentence)}")
-                self._warned.add(sentence)
+        self.say(sentences, "[yellow]warning:[/] {}")
+
+    def say(self, sentences: Iterable[str], form: str = "[dim]{}[/]") -> None:
+        """Say sentences that have not been said yet."""
+        for sentence in dict.fromkeys(sentences):
+            if sentence not in self.said:
+                self._progress.console.print(form.format(escape(sentence)))
+                self.said.add(sentence)
 
     def event(self, event: Event) -> None:
         """Show an event."""
@@ -215,7 +227,7 @@ class ProgressDisplay:
             figures = "" if row is None else f"{escape(sentences.figures(row))}  "
             self._progress.console.print(f"  {event.iteration:>4}  {outcome}  {figures}[dim]{escape(event.reason)}[/]")
         elif isinstance(event, Corrected):
-            self._progress.console.print(f"        [dim]correction: {escape(event.step)}, {event.kept:.0%} of the relief left[/]")
+            self._progress.console.print(f"        [dim]correction: {escape(event.step)}[/]")
         elif isinstance(event, Finished):
             self.stage("done")
 
@@ -227,14 +239,14 @@ def lines(say: Callable[[], None], over: Callable[[float], bool]) -> None:
 
 
 @contextmanager
-def progress_shown(iterations: int, *, quiet: bool) -> Iterator[ProgressDisplay]:
-    """Progress on stderr while the block runs; none if `quiet`."""
+def progress_shown(iterations: int, *, quiet: bool, said: set[str] | None = None) -> Iterator[ProgressDisplay]:
+    """Progress on stderr while the block runs, none if `quiet`; what it says of the part and the style is added to `said`."""
     shown, times = (SpinnerColumn(), BarColumn(30), MofNCompleteColumn()), (TimeElapsedColumn(), TextColumn("left"), TimeRemainingColumn())
     bar = Progress(*shown, TextColumn("{task.description}"), *times, console=err, disable=quiet, transient=True)
     with bar as progress:
         if quiet:
             progress.console.quiet = True
-        teller, over = ProgressDisplay(progress, iterations), threading.Event()
+        teller, over = ProgressDisplay(progress, iterations, set() if said is None else said), threading.Event()
         if not (quiet or progress.console.is_terminal):  # a log file, a notebook's cell or a job shows no bar, and a mesh takes minutes
             threading.Thread(target=lines, args=(teller.line, over.wait), name="mechstyle-lines", daemon=True).start()
         try:

@@ -73,8 +73,6 @@ def tell(runs: dict[str, Run], folder: Path, *, as_json: bool) -> None:
         return
     for label, run in runs.items():
         out.print(f"{label}: 3MF {escape(run.summary.files['model'])}")
-        for note in run.summary.notes:
-            out.print(f"  [dim]note: {escape(note)}[/]")
     out.print(f"picture: {escape(picture)}\n")
     for label, run in runs.items():
         out.print(f"{label}: {headline(run.verdict)}")

@@ -33,12 +33,32 @@ RunVertices = Annotated[
 ]
 Quick = Annotated[bool, OF_MACHINE("--quick", help="A first answer in about a minute: the same tests of fewer vertices.")]
 Device = Annotated[str, OF_MACHINE(help="auto, cpu or cuda.")]
+REGIONS = f"A region is one of: {', '.join(KINDS.values())}; then, if wanted, ramp MM and colour."
 Folder = Annotated[Path | None, OF_MACHINE("--out", help="Run directory; the same command goes on where it stopped.")]
 Others = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="NAME=VALUE", help="Any other setting of the recipe, such as travel=0.2. May be given several times."),
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout and nothing else.")]
+Details = Annotated[bool, typer.Option("--details", help="Print every landing, note, file and time as well.")]
+
+
+def _help_all(context: typer.Context, wanted: bool) -> None:
+    """Show the help with the options that it leaves out otherwise."""
+    if wanted:
+        for option in context.command.params:
+            option.hidden = False  # type: ignore[attr-defined]
+        typer.echo(context.get_help())
+        raise typer.Exit
+
+
+HelpAll = Annotated[
+    bool, typer.Option("--help-all", callback=_help_all, is_eager=True, help="Show every option, also those that few need, and exit.")
+]
+COMMON = frozenset(
+    ("prompt", "image", "relief", "feature", "protect", "control", "material", "height", "tolerance", "loads", "strengthen")
+)
+"""Settings whose options stand in the short help of a command that has a long one."""
 
 READING = {
     "unit": (str, "", "Unit of the file's coordinates: mm, cm, m, in, ft or um; by default what the format says."),
@@ -83,7 +103,7 @@ TYPED: dict[str, RecipeOption] = {
     "loads": RecipeOption(("--load",), Path, "A .toml file, or gallery:NAME for the load of that model's use."),
     "protect": RecipeOption(
         kind=list[str],
-        hint=f"One of: {', '.join(KINDS.values())}; then, if wanted, ramp MM and colour. May be given several times.",
+        hint='Such as inside, holes, "rim 5" or "bottom 3"; the help of `mechstyle protect` lists all. May be given several times.',
     ),
 }
 """The options that are typed otherwise than the recipe has them."""
@@ -94,21 +114,26 @@ def panel_of(name: str) -> str:
     return CHAPTER_OF[name].capitalize()
 
 
-def recipe_options(*names: str, begins: bool = True, others: bool = False) -> Callable[[Callable[..., None]], Callable[..., None]]:
+def recipe_options(
+    *names: str, begins: bool = True, others: bool = False, short: bool = False
+) -> Callable[[Callable[..., None]], Callable[..., None]]:
     """Give a command an option for each of these fields of the recipe; those that were used reach it as one dict, `settings`.
 
     Args:
         names: Settings of a recipe.
         begins: Whether a recipe begins here: what has no default must be given then, and defaults are shown. Else a recipe is changed.
         others: Whether --set takes the other fields.
+        short: Whether the help leaves out what is not COMMON; --help-all then shows it.
     """
-    options = [_parameter(name, begins=begins) for name in OPTIONS if name in names]
+    options = [_parameter(name, begins=begins, hidden=short and name not in COMMON) for name in OPTIONS if name in names]
+    options += [Parameter("help_all", Parameter.KEYWORD_ONLY, annotation=HelpAll, default=False)] if short else []
     options += [Parameter("others", Parameter.KEYWORD_ONLY, annotation=Others, default=None)] if others else []
 
     def decorate(function: Callable[..., None]) -> Callable[..., None]:
         @functools.wraps(function)
         def wrapped(**given: Any) -> None:
             settings = {option.name: given.pop(option.name) for option in options}
+            settings.pop("help_all", None)
             function(**given, settings=_used(**settings))
 
         wrapped.__signature__ = _joined(inspect.signature(function, eval_str=True), options)  # type: ignore[attr-defined]
@@ -119,9 +144,9 @@ def recipe_options(*names: str, begins: bool = True, others: bool = False) -> Ca
 
 def reads_a_part(function: Callable[..., None]) -> Callable[..., None]:
     """Give a command the options that say how its file is read; those that were used reach it as one dict, `reading`."""
-    options = []
+    options, short = [], any(one.name == "help_all" for one in inspect.signature(function, eval_str=True).parameters.values())
     for name, (kind, default, what) in READING.items():
-        option = OF_MACHINE(default, help=what, show_default=False)
+        option = OF_MACHINE(default, help=what, show_default=False, hidden=short)
         options.append(Parameter(name, Parameter.KEYWORD_ONLY, annotation=kind, default=option))
 
     @functools.wraps(function)
@@ -133,7 +158,7 @@ def reads_a_part(function: Callable[..., None]) -> Callable[..., None]:
     return wrapped
 
 
-def _parameter(name: str, *, begins: bool) -> Parameter:
+def _parameter(name: str, *, begins: bool, hidden: bool = False) -> Parameter:
     """The parameter from which typer makes the option for a field of the recipe."""
     known = TYPED.get(name, RecipeOption())
     required = begins and name not in DEFAULTS and known.default is None
@@ -148,6 +173,7 @@ def _parameter(name: str, *, begins: bool) -> Parameter:
         *known.flags,
         help=f"{described(name)} {known.hint}".rstrip(),
         rich_help_panel=panel_of(name),
+        hidden=hidden,
         show_default=shown if begins and default not in (None, "", ()) else True,
     )
     kind = known.kind or TYPES[name]

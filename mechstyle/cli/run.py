@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -10,6 +11,7 @@ import typer
 from mechstyle.cli.console import command, err, escape, out, print_json, progress_shown, report_verdict
 from mechstyle.cli.options import (
     DEFAULTS_MAY_CHANGE,
+    Details,
     Device,
     Folder,
     Json,
@@ -25,6 +27,7 @@ from mechstyle.records.mesh import QUICK_VERTICES, STANDARD_VERTICES
 from mechstyle.records.recipe import OF_FEEDBACK, OPTIONS
 
 if TYPE_CHECKING:
+    from mechstyle.runs.summary import Summary
     from mechstyle.simulation.part import Model as Opened
 
 FREE = tuple(name for name in OPTIONS if name not in OF_FEEDBACK)
@@ -56,8 +59,9 @@ def carry_out(
     freestyle: bool,
     as_json: bool,
     quick: bool = False,
+    said: set[str] | None = None,
 ) -> Any:
-    """Run a stylization with progress; the finished run, its part exported and pictured."""
+    """Run a stylization with progress; the finished run, its part exported and pictured. What was said of it is added to `said`."""
     from mechstyle.fea.drop import resolve_device  # noqa: PLC0415 — physics is loaded when something is run
     from mechstyle.runs.recipes import draft, expected, idle  # noqa: PLC0415
     from mechstyle.runs.run import started  # noqa: PLC0415
@@ -68,17 +72,13 @@ def carry_out(
         vertices = QUICK_VERTICES if quick else STANDARD_VERTICES
     wanted = draft(**settings, freestyle=freestyle)
     device = resolve_device(device)
-    if not as_json and not wanted.style.stylizer and wanted.style.guidance == "offline":
-        read = reading_of(wanted)
-        for note in (f"read as {read.words}", *read.notes):
-            err.print(f"[dim]prompt: {escape(note)}[/]")
-    if not as_json:
-        for warning in (*expected(wanted), *idle(settings, wanted)):
-            err.print(f"[yellow]warning:[/] {escape(warning)}")
+    read = None if wanted.style.stylizer or wanted.style.guidance != "offline" else reading_of(wanted)
     mesh, name = read_model(model, reading, quiet=as_json)
     if not as_json and device == "cpu":
         err.print(f"[dim]{escape(estimated(wanted, vertices).words)}[/]")
-    with progress_shown(wanted.schedule.iterations, quiet=as_json) as teller:
+    with progress_shown(wanted.schedule.iterations, quiet=as_json, said=said) as teller:
+        teller.say(() if read is None else (f"prompt read as {read.words}", *read.notes))
+        teller.warn((*expected(wanted), *idle(settings, wanted)))
         run = started(
             wanted,
             mesh,
@@ -91,13 +91,14 @@ def carry_out(
             beside=False,
             shown=teller.shown,
         )
-        if wanted.delivery.strengthen and not as_json:
-            err.print(f"[dim]part: {escape(run.part.notes[-1])}[/]")
         return finish(run, teller)
 
 
 def finish(run: Any, teller: Any) -> Any:
     """Carry a run on to its end, then export and picture the part."""
+    from mechstyle.simulation.part import bounds_for  # noqa: PLC0415 — physics is loaded when something is run
+
+    teller.say((*run.part.notes, *bounds_for(run.part, run.recipe)[1]))
     teller.stage("simulating the unstylized part")
     run.go(teller.event, teller.fraction)
     teller.stage("writing files")
@@ -105,40 +106,67 @@ def finish(run: Any, teller: Any) -> Any:
     model = run.store.root / f"{stem}.3mf"
     written = run.exported(model)
     notes = (*written.quality.warnings, written.printing.words)
+    teller.said.add(written.printing.words)  # `export` says it, with what would cost less
     run.add_files({"model": model, "picture": run.show().save(run.store.root / f"{stem}.png")}, notes)
     return run
 
 
-def report(run: Any, *, as_json: bool) -> None:
-    """Print what a run came to; its verdict stands last."""
-    summary = run.summary
+NOTES = 3
+"""Most notes below a result; the others stand in --details."""
+ENOUGH = 0.9
+"""Share of the base on the floor, and of the relief that the mesh follows, from which on nothing is said of either."""
+
+
+def report(run: Any, *, as_json: bool, details: bool = False, said: Collection[str] = ()) -> None:
+    """Print what a run came to: its verdict, what is left of the style, and the notes that were not said while it ran."""
+    summary, test = run.summary, run.recipe.test
     if as_json:
         print_json(summary)
         return
-    for note in summary.notes:
-        out.print(f"[dim]note: {escape(note)}[/]")
-    if run.recipe.test.layers_judged:
-        out.print(escape(run.recipe.test.layers_judged))
-    if run.recipe.test.after_standard:
-        out.print(f"{escape(run.recipe.test.after_standard)}. {escape(STANDARDS[run.recipe.test.standard].departs)}")
+    if details:
+        _report_details(summary)
+    elif "model" in summary.files:
+        out.print(f"3MF: {escape(summary.files['model'])}")
+    report_verdict(run.verdict, details=details)
+    out.print(f"style kept {summary.kept:.0%}")
+    if test.layers_judged:
+        out.print(escape(test.layers_judged))
+    if test.after_standard:
+        out.print(f"{escape(test.after_standard)}. {escape(STANDARDS[test.standard].departs)}")
     if run.part.mass_gained:
         out.print(f"the plain part is the thickened one, {run.part.mass_gained:+.1f} g")
+    notes = list(dict.fromkeys(note for note in (*_shortcomings(summary), *summary.notes) if note not in said))
+    shown = notes if details or len(notes) <= NOTES else notes[: NOTES - 1]
+    for note in shown:
+        out.print(f"[dim]note: {escape(note)}[/]")
+    if len(shown) < len(notes):
+        out.print(f"[dim]{len(notes) - len(shown)} more notes with --details[/]")
+
+
+def _shortcomings(summary: Summary) -> Iterator[str]:
+    """What the mesh or the base of the tested part lacks."""
+    if summary.level_share is not None and summary.level_share < ENOUGH:
+        yield f"only {summary.level_share:.0%} of its base touches the floor"
+    if summary.carried < ENOUGH:
+        yield f"the mesh follows only {summary.carried:.0%} of the relief"
+
+
+def _report_details(summary: Summary) -> None:
+    """Print figures that few need."""
     if summary.level_share is not None:
         out.print(f"{summary.level_share:.0%} of its base touches the floor")
     out.print(f"the mesh follows {summary.carried:.0%} of the relief ({escape(summary.meshing)})")
+    out.print(f"style loss {summary.style_loss_ratio:.1%} of its start")
+    out.print(f"simulations: {len(summary.simulations)}")
     out.print("seconds: " + ", ".join(f"{stage} {value:.1f}" for stage, value in summary.seconds.items()))
     for what, path in summary.files.items():
         out.print(f"{what}: {escape(path)}")
-    kept = f"style kept {summary.kept:.0%}; style loss {summary.style_loss_ratio:.1%} of its start"
-    many = len(summary.simulations)
-    out.print(f"{kept}; {many} {'simulation' if many == 1 else 'simulations'}\n")
-    report_verdict(run.verdict)
 
 
 @app.command("run", epilog=DEFAULTS_MAY_CHANGE)
 @command
 @reads_a_part
-@recipe_options(*OPTIONS, others=True)
+@recipe_options(*OPTIONS, others=True, short=True)
 def run_command(
     model: Model,
     settings: Settings,
@@ -147,17 +175,19 @@ def run_command(
     vertices: RunVertices = None,
     device: Device = "auto",
     folder: Folder = None,
+    details: Details = False,
     as_json: Json = False,
 ) -> None:
     """Style a part while a drop test watches its strength."""
-    run = carry_out(model, settings, vertices, reading, device, folder, freestyle=False, quick=quick, as_json=as_json)
-    report(run, as_json=as_json)
+    said = set[str]()
+    run = carry_out(model, settings, vertices, reading, device, folder, freestyle=False, quick=quick, as_json=as_json, said=said)
+    report(run, as_json=as_json, details=details, said=said)
 
 
 @app.command("freestyle", epilog=DEFAULTS_MAY_CHANGE)
 @command
 @reads_a_part
-@recipe_options(*FREE, others=True)
+@recipe_options(*FREE, others=True, short=True)
 def freestyle_command(
     model: Model,
     settings: Settings,
@@ -166,11 +196,13 @@ def freestyle_command(
     vertices: RunVertices = None,
     device: Device = "auto",
     folder: Folder = None,
+    details: Details = False,
     as_json: Json = False,
 ) -> None:
     """Style a part without feedback; one drop test at the end."""
-    run = carry_out(model, settings, vertices, reading, device, folder, freestyle=True, quick=quick, as_json=as_json)
-    report(run, as_json=as_json)
+    said = set[str]()
+    run = carry_out(model, settings, vertices, reading, device, folder, freestyle=True, quick=quick, as_json=as_json, said=said)
+    report(run, as_json=as_json, details=details, said=said)
 
 
 @app.command("branch")
@@ -181,14 +213,17 @@ def branch_command(
     settings: Settings,
     lane: Annotated[str, typer.Option(help="Name of the new lane.")] = "",
     device: Device = "auto",
+    details: Details = False,
     as_json: Json = False,
 ) -> None:
     """Go on from a checkpoint with other settings, in a new lane of the same run directory."""
     from mechstyle.loop.store import parse_address  # noqa: PLC0415
-    from mechstyle.runs.run import Run  # noqa: PLC0415 — physics is loaded when something is run
+    from mechstyle.runs.recipes import idle  # noqa: PLC0415 — physics is loaded when something is run
+    from mechstyle.runs.run import Run  # noqa: PLC0415
 
     root, origin, iteration = parse_address(address)
-    run = Run.open(f"{root}@{origin}", device).branch(iteration, lane=lane, **settings)
-    with progress_shown(run.recipe.schedule.iterations, quiet=as_json) as teller:
+    run, said = Run.open(f"{root}@{origin}", device).branch(iteration, lane=lane, **settings), set[str]()
+    with progress_shown(run.recipe.schedule.iterations, quiet=as_json, said=said) as teller:
+        teller.warn(idle(settings, run.recipe))
         finish(run, teller)
-    report(run, as_json=as_json)
+    report(run, as_json=as_json, details=details, said=said)

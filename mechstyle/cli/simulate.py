@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from mechstyle.cli.console import command, err, escape, out, print_json, progress_shown, report_verdict, table
-from mechstyle.cli.options import READ_AS, Device, Json, Model, Settings, Vertices, reads_a_part, recipe_options
+from mechstyle.cli.options import READ_AS, REGIONS, Details, Device, Json, Model, Settings, Vertices, reads_a_part, recipe_options
 from mechstyle.cli.run import read_model
 from mechstyle.errors import BadInput
 from mechstyle.records.landings import STANDARDS
@@ -45,6 +45,7 @@ def simulate_command(
     device: Device = "auto",
     folder: Annotated[Path | None, typer.Option("--out", help="Folder for pictures and files; the current one by default.")] = None,
     vtu: Annotated[bool, typer.Option("--vtu", help="Write what stays bent, stress and contact in the body for ParaView.")] = False,
+    details: Details = False,
     as_json: Json = False,
 ) -> None:
     """Drop a part without styling it, and load it with --load; compare it with the plain part with --original."""
@@ -62,7 +63,7 @@ def simulate_command(
     if as_json:
         print_json(_figures(dropped, files))
     else:
-        _report(dropped, files)
+        _report(dropped, files, details=details)
 
 
 def _written(dropped: PartTest, folder: Path, name: str, *, vtu: bool) -> dict[str, str]:
@@ -104,39 +105,45 @@ def _figures(dropped: PartTest, files: dict[str, str]) -> dict[str, Any]:
     }
 
 
-def _report(dropped: PartTest, files: dict[str, str]) -> None:
+def _report(dropped: PartTest, files: dict[str, str], *, details: bool) -> None:
     """Print what a drop test found, for people."""
-    simulation, recipe = dropped.simulation, dropped.recipe
-    report_verdict(dropped.verdict)
-    rows = table("", "")
-    course, relief = list[tuple[str, str]](), list[tuple[str, str]]()
-    if dropped.course is not None:
-        force = f"up to {dropped.course.peak_force:.0f} N, the last of it at {dropped.course.contact_time:.2f} ms"
-        course = [("contact force", force), ("touches", dropped.course.touch_words), ("energy", dropped.course.words)]
-    if dropped.original is not None:
-        follows = f"the mesh follows {simulation.carried:.0%} of it"
-        relief = [("relief", f"{dropped.relief.min():.2f} to {dropped.relief.max():.2f} mm over the original, {follows}")]
-    for label, value in (
-        *course,
-        ("shape", f"tetrahedra {dropped.fit.words}"),
-        *relief,
-        *([("layers", escape(recipe.test.layers_judged))] if recipe.test.build_direction else []),
-        *([("orientations", escape(recipe.test.after_standard))] if recipe.test.standard else []),
-        ("tetrahedra", f"{len(dropped.tets.tets)}; {simulation.steps} steps of {1e3 * simulation.time_step:.3f} µs"),
-        *((what, escape(path)) for what, path in files.items()),
-    ):
-        rows.add_row(label, value)
+    test = dropped.recipe.test
+    if details:
+        _report_details(dropped)
+    for what, path in files.items():
+        out.print(f"{what}: {escape(path)}")
     out.print()
-    out.print(rows)
-    if recipe.test.standard:
-        out.print(f"[dim]{escape(STANDARDS[recipe.test.standard].departs)}[/]")
-    if dropped.original is None:
+    report_verdict(dropped.verdict, details=details)
+    if test.layers_judged:
+        out.print(escape(test.layers_judged))
+    if test.after_standard:
+        out.print(f"{escape(test.after_standard)}. {escape(STANDARDS[test.standard].departs)}")
+    if dropped.original is not None:
+        follows = f"the mesh follows {dropped.simulation.carried:.0%} of it"
+        out.print(f"relief {dropped.relief.min():.2f} to {dropped.relief.max():.2f} mm over the original, {follows}")
+    else:
         out.print("[dim]tested by itself: --original FILE compares a styled part with the plain one, as in its run[/]")
     if dropped.warning:
         err.print(f"[yellow]warning:[/] {escape(dropped.warning)}")
 
 
-@app.command("protect")
+def _report_details(dropped: PartTest) -> None:
+    """Print figures of the drop that few need."""
+    simulation, rows = dropped.simulation, table("", "")
+    course = list[tuple[str, str]]()
+    if dropped.course is not None:
+        force = f"up to {dropped.course.peak_force:.0f} N, the last of it at {dropped.course.contact_time:.2f} ms"
+        course = [("contact force", force), ("touches", dropped.course.touch_words), ("energy", dropped.course.words)]
+    for label, value in (
+        *course,
+        ("shape", f"tetrahedra {dropped.fit.words}"),
+        ("tetrahedra", f"{len(dropped.tets.tets)}; {simulation.steps} steps of {1e3 * simulation.time_step:.3f} µs"),
+    ):
+        rows.add_row(label, value)
+    out.print(rows)
+
+
+@app.command("protect", epilog=REGIONS)
 @command
 @reads_a_part
 @recipe_options("protect")

@@ -327,6 +327,11 @@ class Engine:
         """Share of the finished style's target that a state keeps, by what can be seen of it; of every run, Freestyle as well."""
         return self._kept(state.displacement, self._target())
 
+    def cuts(self) -> float:
+        """Share of the surface that can be seen on which the finished style's target goes inwards."""
+        areas = self.bounds.seen_areas(self.surface)
+        return float(areas[self._target() < 0.0].sum() / max(areas.sum(), 1e-9))
+
     def _kept(self, displacement: Field, reference: Field) -> float:
         return retained_share(displacement, reference, self.bounds.seen_areas(self.surface))
 

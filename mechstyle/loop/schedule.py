@@ -70,9 +70,13 @@ def geometry(recipe: Recipe, progress: Progress) -> str:
     ratio = np.abs(progress.travelled) / progress.thickness
     worst = int(np.argmax(ratio))
     if ratio[worst] > recipe.schedule.travel:
-        moved, wall = abs(progress.travelled[worst]), progress.thickness[worst]
-        return f"vertex {worst} moved {moved:.2f} mm, {ratio[worst]:.0%} of its {wall:.1f} mm wall"
+        return _moved(progress, worst, recipe.schedule.travel)
     return _late_check(recipe, progress)
+
+
+def _moved(progress: Progress, vertex: int, most: float) -> str:
+    moved, wall = abs(progress.travelled[vertex]), progress.thickness[vertex]
+    return f"the relief has moved {moved:.2f} mm on a wall of {wall:.1f} mm: more than {most:.1%} of it"
 
 
 def stress(recipe: Recipe, progress: Progress) -> str:
@@ -81,10 +85,7 @@ def stress(recipe: Recipe, progress: Progress) -> str:
     ratio = np.abs(progress.travelled) / progress.thickness
     worst = int(np.argmax(ratio / threshold))
     if ratio[worst] > threshold[worst]:
-        return (
-            f"vertex {worst} moved {ratio[worst]:.1%} of its {progress.thickness[worst]:.1f} mm wall; "
-            f"its limit at demand {progress.demand[worst]:.2f} is {threshold[worst]:.1%}"
-        )
+        return _moved(progress, worst, threshold[worst])
     return _late_check(recipe, progress)
 
 

@@ -143,17 +143,27 @@ def _missed(one: Doubt) -> str:
     return known if math.isfinite(one.value) else what and f"{what} is not known"
 
 
-def tabulated(verdict: Verdict) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
+def worst_of_each(verdict: Verdict) -> list[tuple[Row, int]]:
+    """The worst row of each kind of landing with the number of rows of that kind, and every load."""
+    kinds: dict[tuple[str, str], list[Row]] = {}
+    for row in verdict.rows:
+        kinds.setdefault((row.test, row.load), []).append(row)
+    return [(max(rows, key=lambda row: row.severity), len(rows)) for rows in kinds.values()]
+
+
+def tabulated(verdict: Verdict, *, briefly: bool = False) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
     """Headings and rows of the table of tests as text; a dash stands for what is not known.
 
-    A part that is tested by itself has one column of figures: what stays bent, by the published rule the largest stress.
+    A part that is tested by itself has one column of figures: what stays bent, by the published rule the largest stress. Briefly, each kind
+    of landing has one row, its worst.
     """
+    shown = worst_of_each(verdict) if briefly else [(row, 1) for row in verdict.rows]
     rows: list[tuple[str, ...]] = [
         (
-            label(row), "–" if row.plain_permanent_set is None else bend(row.plain_permanent_set), found(row), allowed(row),
+            f"{row.test}, worst of {many}" if many > 1 else label(row), "–" if row.plain_permanent_set is None else bend(row.plain_permanent_set), found(row), allowed(row),
             "–" if row.stress is not None else f"{row.plastic_strain:.1%}", row.outcome,
         )
-        for row in verdict.rows
+        for row, many in shown
     ]  # fmt: skip
     if any(row.plain_permanent_set is not None for row in verdict.rows):
         return COLUMNS, rows

@@ -87,6 +87,11 @@ class Row(msgspec.Struct, frozen=True, kw_only=True):
         return used
 
     @property
+    def severity(self) -> tuple[int, float]:
+        """What orders rows, the worst last; of those that hold, "at worst" is said of millimetres, whatever the strain."""
+        return _SEVERITY[self.outcome], self.permanent_set if self.outcome == "HOLDS" and self.stress is None else self.used
+
+    @property
     def strain_limit(self) -> float:
         """The elongation at break; none, infinity, where the original cracks as well."""
         return math.inf if (self.plain_plastic_strain or 0.0) > self.elongation else self.elongation
@@ -183,11 +188,7 @@ class Verdict(msgspec.Struct, frozen=True, kw_only=True):
     @property
     def deciding(self) -> Row | None:
         """The worst of the rows, None where nothing could be tested."""
-
-        def worse(row: Row) -> tuple[int, float]:  # of what holds, "at worst" is said of millimetres, whatever the strain
-            return _SEVERITY[row.outcome], row.permanent_set if row.outcome == "HOLDS" and row.stress is None else row.used
-
-        return max(self.rows, key=worse, default=None)
+        return max(self.rows, key=lambda row: row.severity, default=None)
 
     def row(self, *, landing: str = "", load: str = "") -> Row | None:
         """The row of a landing or a load, None if there is none."""

@@ -27,11 +27,11 @@ WORDS: dict[str, tuple[str, str]] = {
         "What stress is compared with: the reserve of that place, the peak of the plain part, or a share of the yield strength.",
     ),
     "headroom": ("headroom", "Reserve of a place: what its material bears before it yields, less what the plain part needs of it."),
-    "mask, restraint": ("held back", "Share of its movement that a place is denied: 0 moves freely, 1 stops."),
+    "restraint": ("held back", "Share of its movement that a place is denied: 0 moves freely, 1 stops. The mask is 1 less that."),
     "threshold": ("threshold", "Demand at which a place may move no further; less is more careful."),
     "control": (
         "strategy",
-        "How demand slows the style: evenly (linear), close to the limit (exponential), only at the limit (frozen), not at all (none).",
+        "How demand slows the style: evenly (linear), faster than that (exponential), only at the limit (frozen), not at all (none).",
     ),
     "guarantee": (
         "correction",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections import defaultdict
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 
@@ -16,6 +16,9 @@ from mechstyle.records import Doubt, Landing, LoadResult, Row, Simulation, Verdi
 
 LITTLE = 0.7
 """Share of the style's relief below which it is said how more of it may be had."""
+CUTS = 0.1
+"""Least share of what can be seen of a style that cuts in, for it to be worth having it go outwards."""
+OUTWARDS = " of the style is left: cuts into a wall weaken it, so try relief that only goes outwards (--side outwards)"
 
 
 class Summary(msgspec.Struct, frozen=True, kw_only=True):
@@ -72,11 +75,14 @@ class Summary(msgspec.Struct, frozen=True, kw_only=True):
     files: dict[str, str]
 
 
-def little_left(kept: float, side: str) -> str:
-    """What to try where little of a relief is left, "" where enough is left or it only goes outwards."""
-    if kept >= LITTLE or side == "outwards":
-        return ""
-    return f"only {kept:.0%} of the style is left: cuts into a wall weaken it, so try relief that only goes outwards (--side outwards)"
+def little_left(kept: float, cuts: float) -> str:
+    """What to try where little of a relief is left, "" where enough is left or hardly any of it cuts in; both are shares."""
+    return f"only {kept:.0%}{OUTWARDS}" if kept < LITTLE and cuts >= CUTS else ""
+
+
+def on_little(notes: Iterable[str]) -> str:
+    """The note of `little_left` among those of a summary, "" if there is none."""
+    return next((note for note in notes if note.endswith(OUTWARDS)), "")
 
 
 def summarise(engine: Engine, *, device: str, notes: tuple[str, ...], seconds: dict[str, float], files: dict[str, str]) -> Summary:
@@ -87,7 +93,7 @@ def summarise(engine: Engine, *, device: str, notes: tuple[str, ...], seconds: d
     assert verdict is not None, "a finished lane ends with a simulated checkpoint"
     simulation = engine.store.objects.get_record(last.simulation, Simulation)
     start, kept = history[0].style_loss, engine.kept(last)
-    little = little_left(kept, engine.recipe.style.side) if engine.recipe.restraint.guarantee else ""
+    little = little_left(kept, engine.cuts()) if engine.recipe.restraint.guarantee else ""
     return Summary(
         outcome=verdict.outcome, doubts=verdict.doubts, tolerance=verdict.tolerance, rows=verdict.rows, words=verdict.words,
         landings=simulation.landings, loads=simulation.loads, plain=engine.simulator.judge(engine.simulator.baseline, alone=True),

@@ -58,6 +58,18 @@ def test_a_verdict_is_its_head_its_table_and_its_doubt():
     assert "tilted 0.23 mm 0.27 mm 0.28 mm 0.0% NO WORSE (not sure)" in said
 
 
+def test_each_kind_of_landing_has_one_row_its_worst_and_details_have_all():
+    tilts = [row(bend, test="nearly flat", landing=f"tilted {bend}") for bend in (0.06, 0.31, 0.12)]
+    judged = verdict(row(0.05), *tilts, row(0.01, test="load", load="hand"), row(0.02, test="load", load="foot"))
+    said = printed(judged)
+    assert "nearly flat, worst of 3 0 mm 0.31 mm" in said
+    assert all(one in said for one in ("flat 0 mm 0.05 mm", "load hand", "load foot"))
+    assert "tilted 0.06" not in said
+    with stdout.capture() as whole:
+        report_verdict(judged, details=True)
+    assert all(one.landing in whole.get() for one in tilts)
+
+
 def test_a_part_that_is_tested_by_itself_has_one_column_of_figures():
     said = printed(verdict(row(0.06, plain_permanent_set=None)))
     assert "allowed strain outcome flat 0.06 mm 0.20 mm 0.0% HOLDS" in said
@@ -90,8 +102,8 @@ def test_what_was_said_of_a_stage_is_not_taken_back_when_its_next_drop_begins(ca
     assert "drop test at 30  10%" in second
 
 
-def test_where_no_bar_is_shown_a_line_says_every_ten_seconds_what_is_done(capsys):
-    answers = iter([False, False, True])
+def test_where_no_bar_is_shown_each_stage_has_a_line_and_a_long_one_a_line_a_minute(capsys):
+    answers = iter([False] * 8 + [True])
     waited = []
 
     def over(seconds):
@@ -101,7 +113,7 @@ def test_where_no_bar_is_shown_a_line_says_every_ten_seconds_what_is_done(capsys
     with console.progress_shown(30, quiet=False) as teller:
         teller.stage("filling it with tetrahedra")
         console.lines(teller.line, over)
-    assert waited == [10.0, 10.0, 10.0]
+    assert waited == [10.0] * 9
     assert capsys.readouterr().err.count("s: filling it with tetrahedra, 0 of 30") == 2
 
 

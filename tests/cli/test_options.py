@@ -30,11 +30,11 @@ READ = "--body --scale --size --unit --up"
 RESTRAINED = "--base --control --every --normalisation --schedule --threshold"
 NAMES = {
     "": "--version",
-    "run": f"model --out --quick --strengthen {READ} --vertices {STYLED} {RESTRAINED}",
-    "freestyle": f"model --out --quick --strengthen {READ} --vertices {STYLED}",
-    "branch": f"address --lane {STYLED} {RESTRAINED}",
+    "run": f"model --details --help-all --out --quick --strengthen {READ} --vertices {STYLED} {RESTRAINED}",
+    "freestyle": f"model --details --help-all --out --quick --strengthen {READ} --vertices {STYLED}",
+    "branch": f"address --details --lane {STYLED} {RESTRAINED}",
     "simulate": f"model --build-direction {READ} "
-    "--criterion --device --json --load --material -m --minimum-wall --orientations --original --out --poses --standard "
+    "--criterion --details --device --json --load --material -m --minimum-wall --orientations --original --out --poses --standard "
     "--height --nearly-flat --no-nearly-flat --tolerance --vertices --vtu --window",
     "demo": "--device --height --json --model --out --prompt --tolerance --vertices -p",
     "log": "address --json",
@@ -131,8 +131,19 @@ def test_every_field_of_the_recipe_is_described():
     assert described("control") == "How stress restrains the style, one of linear, exponential, frozen, none."
 
 
+@pytest.mark.parametrize("command", ["run", "freestyle"])
+def test_the_help_of_a_run_fits_two_screens_and_help_all_has_every_option(command):
+    """It had 237 lines, which began with what is descended in."""
+    brief, whole = (CliRunner().invoke(app, [command, flag], env={"COLUMNS": "80"}).stdout for flag in ("--help", "--help-all"))
+    assert len(brief.splitlines()) <= 80
+    assert {"--prompt", "--height", "--tolerance", "--protect", "--load", "--quick", "--out", "--help-all"} <= set(brief.split())
+    assert "--normalisation" not in brief.replace("normalisation's", "")
+    flags = {flag for one in COMMANDS[command].params if one.param_type_name == "option" for flag in one.opts}
+    assert flags <= set(re.findall(r"--?[a-z][a-z-]*", whole))
+
+
 def test_units_stand_in_the_help(mechstyle):
-    told = " ".join(mechstyle.here("run", "--help").stdout.replace("│", " ").split())
+    told = " ".join(mechstyle.here("run", "--help-all").stdout.replace("│", " ").split())
     assert "may leave [mm]; 0" in told
     assert "schedule [iterations]" in told
 
@@ -143,13 +154,13 @@ def test_help_shows_all_that_was_written_in_brackets(command, monkeypatch):
     texts = [COMMANDS[command].help, *(getattr(one, "help", None) or "" for one in COMMANDS[command].params)]
     plain = [text.replace("\\[", "[") for text in texts]
     assert [Text.from_markup(text).plain for text in texts] == plain
-    told = shown(*command.split(), "--help")
+    told = shown(*command.split(), "--help-all" if command in ("run", "freestyle") else "--help")
     for text in plain:
         assert all(bracketed in told for bracketed in re.findall(r"\[[^\]]*\]", text))
 
 
 def test_the_default_of_a_setting_is_the_recipes():
-    told = shown("run", "--help")
+    told = shown("run", "--help-all")
     assert f"[default: ({DEFAULTS['minimum_wall']})]" in told
     assert f"[default: ({DEFAULTS['control']})]" in told
     assert "[default: (1.5 m)]" in told

@@ -98,12 +98,30 @@ def test_a_run_ends_with_its_verdict_its_table_and_its_doubt(finished, monkeypat
     with out.capture() as said:
         report(run, as_json=False)
     verdict, before, text = run.verdict, *said.get().rpartition(run.verdict.head)[::2]
-    assert "style kept" in before
-    assert verdict.head not in before, "it is said once"
+    assert before.splitlines() == [f"3MF: {run.summary.files['model']}"]
     words = " ".join(text.split())
     for row in sentences.tabulated(verdict)[1]:
         assert " ".join(row[:-1]) in words
-    assert words.endswith(verdict.doubt)
+    assert verdict.doubt in words
+    assert f"style kept {run.summary.kept:.0%}" in words
+
+
+def test_a_run_prints_twelve_lines_after_it_is_done_and_one_share_of_the_style(finished):
+    line, root, summary = finished
+    done = line.here(*line.styled, "--out", "part")
+    assert len(done.stdout.strip().splitlines()) <= 12
+    assert done.stdout.count("style kept") == 1
+    assert not re.search(r"style loss|morphed|seconds:|purged|vertex \d", done.stdout + done.stderr)
+    once = [text for text in summary["notes"] if (done.stdout + done.stderr).count(text) > 1]
+    assert once == [], "what was said while it ran is not said again"
+
+
+def test_details_have_what_the_result_leaves_out(finished):
+    line, root, summary = finished
+    whole = line.here(*line.styled, "--out", "part", "--details").stdout
+    assert "style loss" in whole
+    assert "seconds: " in whole
+    assert all(path in whole for path in summary["files"].values())
 
 
 def test_the_same_command_again_changes_nothing_and_says_the_same(finished):
@@ -215,14 +233,15 @@ def test_simulate_reports_the_part_as_it_is(mechstyle):
     assert len(outcome["history"]["time"]) == len(outcome["history"]["contact_force"]) > 100
 
 
-def test_simulate_says_the_verdict_first_then_the_table(mechstyle):
-    said = mechstyle.here("simulate", BOX, "--vertices", "600", "--no-nearly-flat", "--window", "0.3").stdout
-    first, *rest = (" ".join(line.split()) for line in said.splitlines() if line)
+def test_simulate_says_its_files_the_verdict_and_the_table_and_the_rest_where_it_is_asked_for(mechstyle):
+    small = ("simulate", BOX, "--vertices", "600", "--no-nearly-flat", "--window", "0.3")
+    _picture, _history, first, *rest = (" ".join(line.split()) for line in mechstyle.here(*small).stdout.splitlines() if line)
     assert first.startswith("HOLDS a fall of 1.5 m: ")
     (flat,) = (line for line in rest if line.startswith("flat"))
     assert rest[rest.index(flat) - 1].endswith("allowed strain outcome")
     assert re.fullmatch(r"flat [\d.]+ mm 0\.20 mm [\d.]+% HOLDS( \(not sure\))?", flat)
-    assert "the floor took" in " ".join(rest)
+    assert "the floor took" not in " ".join(rest)
+    assert "the floor took" in mechstyle.here(*small, "--details").stdout
     assert any(line.startswith("tested by itself") for line in rest)
 
 

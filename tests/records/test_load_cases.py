@@ -141,7 +141,7 @@ def test_a_missing_file_two_cases_of_one_name_and_other_objects_are_refused(file
 
 def test_the_file_in_the_documentation_is_understood(file):
     page = (ROOT / "docs" / "loads.md").read_text(encoding="utf-8")
-    (example,) = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
+    (example,) = re.findall(r"```toml\n(# coat\.toml.*?)```", page, re.DOTALL)
     coat, bump = read_loads(file(example))
     assert coat.loads[0].force == (0.0, -120.0, 0.0)
     assert [load.gravity for load in bump.loads] == [None, 1.0]

@@ -10,8 +10,8 @@ from mechstyle.records.material import LIBRARY, SPREAD, Material, material_named
 from support import ROOT
 
 STEEL = Material(name="steel", youngs_modulus=210e3, poisson_ratio=0.3, density=7.85e-3, yield_strength=235.0)
-DOCUMENTED = (ROOT / "docs" / "materials.md").read_text(encoding="utf-8")
-BRAND = re.search(r"```toml\n(.*?)```", DOCUMENTED, re.DOTALL)[1]
+DOCUMENTED = (ROOT / "docs" / "loads.md").read_text(encoding="utf-8")
+BRAND = re.search(r"```toml\n(# polyterra\.toml.*?)```", DOCUMENTED, re.DOTALL)[1]
 
 
 def toml(**changes):

@@ -126,8 +126,8 @@ def test_a_picture_of_one_shade_and_one_that_cannot_be_tiled_are_told_of(block):
 
 def test_the_example_of_the_page_on_pictures_is_a_leaf(block, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    page = (ROOT / "docs" / "pictures.md").read_text()
-    exec(compile(page.partition("```python\n")[2].partition("```")[0], "pictures.md", "exec"), {})
+    page = (ROOT / "docs" / "prompts.md").read_text()
+    exec(compile(page.partition("```python\n")[2].partition("```")[0], "prompts.md", "exec"), {})
     aim = drawn(block, Raster(pixels_of("leaf.png")), image_size=40.0)
     here, _ = front(block)
     assert any("are finer than a nozzle" in note for note in aim.notes) is (40.0 * Raster(pixels_of("leaf.png")).finest < 0.4)

@@ -92,16 +92,19 @@ def write_page(path: Path, found: Found) -> Path:
         "The simulation compared with theory, with CalculiX, with finer meshes and with other arithmetic.",
         "Written by `python benchmarks/validate.py --page`.",
         "",
-        "| case | figures | passed | largest error over its limit |",
-        "|---|---|---|---|",
+        "`python benchmarks/validate.py --case NAME` runs one again; `validation.json` keeps every figure, its machine and what it was compared with.",
+        "",
+        "| case | what | figures | passed | largest error over its limit |",
+        "|---|---|---|---|---|",
         *(_summary(CASES[name], one) for name, one in found.items()),
         "",
-        "Below, errors are relative. A dash stands for a figure that is an error itself or was not run.",
+        "## The figure nearest to its limit in each case",
+        "",
+        "Errors are relative. A dash stands for a figure that is an error itself or was not run.",
+        "",
+        *_table({CASES[name].name: max(one.results, key=_share) for name, one in found.items()}),
+        *(f"\n`{name}`: {CASES[name].fault}" for name in found if CASES[name].fault),
     ]
-    for name, one in found.items():
-        case = CASES[name]
-        fault, command = [case.fault, ""] if case.fault else [], f"`python benchmarks/validate.py --case {name}`"
-        lines += ["", f"## {case.title}", "", f"{command} on {one.machine}.", "", *fault, *_table(one.results)]
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
     return path
@@ -110,10 +113,15 @@ def write_page(path: Path, found: Found) -> Path:
 def _summary(case: Case, found: Figures) -> str:
     """A row on a case: its figures, how many passed, and how near the worst came to its limit."""
     ran = found.ran
-    passed, place = sum(bool(result.passed) for result in ran), re.sub(r"[^\w\- ]", "", case.title.lower()).replace(" ", "-")
-    worst = f"{max(result.error / result.limit if result.limit else result.error for result in ran):.2f}" if ran else "–"
+    passed = sum(bool(result.passed) for result in ran)
+    worst = f"{max(map(_share, ran)):.2f}" if ran else "–"
     verdict = str(passed) if passed == len(ran) else f"{passed}, a known limit" if case.fault else f"**{passed}**"
-    return f"| [{case.title}](#{place}) | {len(ran) or '–'} | {verdict if ran else 'not run'} | {worst} |"
+    return f"| `{case.name}` | {case.title} | {len(ran) or '–'} | {verdict if ran else 'not run'} | {worst} |"
+
+
+def _share(result: Result) -> float:
+    """An error over its limit, which is below 1 where it passes."""
+    return result.error / result.limit if result.limit else result.error
 
 
 def machine() -> str:
@@ -122,15 +130,16 @@ def machine() -> str:
     return f"{platform.system()} {platform.machine()}, {cores()} cores{devices}, Python {platform.python_version()}"
 
 
-def _table(results: list[Result]) -> list[str]:
-    rows = ["| figure | measured | reference | error | limit | | against |", "|---|---|---|---|---|---|---|"]
-    for result in results:
+def _table(results: dict[str, Result]) -> list[str]:
+    """A row for each case with one of its figures."""
+    rows = ["| case | figure | measured | reference | error | limit | | against |", "|---|---|---|---|---|---|---|---|"]
+    for case, result in results.items():
         mark = {True: "passed", False: "**failed**", None: "not run"}[result.passed]
         name = result.case.partition(": ")[2] or result.case
         known = result.reference != 0.0
         measured, reference = (f"{value:.4g} {result.unit}".strip() if known else "–" for value in (result.measured, result.reference))
         error, limit = (f"{value:.2g}" if result.passed is not None else "–" for value in (result.error, result.limit))
-        rows.append(f"| {name} | {measured} | {reference} | {error} | {limit} | {mark} | {result.note} |")
+        rows.append(f"| `{case}` | {name} | {measured} | {reference} | {error} | {limit} | {mark} | {result.note} |")
     return rows
 
 

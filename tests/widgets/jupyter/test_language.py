@@ -141,7 +141,7 @@ def test_what_is_said_is_in_the_table(done, tmp_path):
 
 REASONS = (
     "every 4 iterations", "quadratic step 3² = 9", "exponential step 2^3 = 8", "late check after 80% of the iterations", "last iteration",
-    "vertex 7 moved 0.31 mm, 12% of its 2.4 mm wall", "vertex 7 moved 9.1% of its 2.4 mm wall; its limit at demand 0.40 is 8.0%",
+    "the relief has moved 0.31 mm on a wall of 2.4 mm: more than 10.0% of it",
     "correction: relief lowered around 12 places that yield", "correction: cuts filled around 12 places that yield",
     "correction: 50% of the whole relief", "correction: the relief removed", "correction: half of what was taken given back",
     "correction: all that was held back given back",

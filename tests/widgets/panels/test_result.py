@@ -138,7 +138,7 @@ def test_what_was_not_tested_has_no_figure_of_another_test():
 
 def test_what_the_command_line_would_say_of_a_finished_lane_is_said_but_for_what_the_badge_says(done, monkeypatch):
     notes = ("the relief was lowered on 3% of the surface, where it would have folded over itself", "a note of <mine>")
-    summary = SimpleNamespace(kept=0.33, notes=(*notes, little_left(0.33, "auto")))
+    summary = SimpleNamespace(kept=0.33, notes=(*notes, little_left(0.33, 0.5)))
     state = StudioState(done)
     assert "<ul>" not in Result(state).value
     monkeypatch.setattr(type(done), "summary", property(lambda _run: summary))

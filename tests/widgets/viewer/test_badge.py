@@ -99,7 +99,7 @@ def test_a_surface_that_was_not_tested_says_so_in_grey_and_since_when(done):
 @pytest.mark.parametrize("left", [0.33, 0.95])
 def test_where_little_of_the_style_is_left_it_says_so_and_what_to_try(done, monkeypatch, left):
     """The command line said it, and who ran it in a Studio never heard."""
-    notes = tuple(filter(None, ("drawn with care", little_left(left, "auto"))))
+    notes = tuple(filter(None, ("drawn with care", little_left(left, 0.5))))
     monkeypatch.setattr(type(done), "summary", property(lambda _run: SimpleNamespace(kept=left, notes=notes)))
     state = StudioState(done)
     viewer = RunViewer(state)

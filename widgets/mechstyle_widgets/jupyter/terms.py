@@ -8,9 +8,9 @@ from mechstyle.records.words import WORDS
 from mechstyle_widgets.jupyter.language import said, word
 
 ALSO = {
-    "mask": "mask, restraint",
-    "restraint": "mask, restraint",
-    "movement held back": "mask, restraint",
+    "mask": "restraint",
+    "restraint": "restraint",
+    "movement held back": "restraint",
     "drops": "orientations, poses",
     "it lands": "orientations, poses",
     "may be off by": "tolerance",
@@ -90,7 +90,7 @@ _FROM_ORIGINAL_TO_LIMIT = (_bar(4, 272, "none"), _bar(4, 110, FAINT), _limit(250
 PICTURES = {
     "demand": _picture(*_FROM_ORIGINAL_TO_LIMIT, _bar(114, 56, ACCENT), _word(128, "style")),
     "headroom": _picture(*_FROM_ORIGINAL_TO_LIMIT, f'<path d="M116 16H248" stroke="{ACCENT}" stroke-width="4"/>', _word(142, "headroom")),
-    "mask, restraint": _picture(_curve("M4 28C120 26 160 6 220 4H276"), _word(4, "0: moves freely"), _word(222, "1: stops")),
+    "restraint": _picture(_curve("M4 28C120 26 160 6 220 4H276"), _word(4, "0: moves freely"), _word(222, "1: stops")),
     "threshold": _picture(_curve("M4 4C100 6 140 28 190 29H276"), _limit(190), _word(4, "moves"), _word(158, "threshold")),
     "schedule": _picture(
         f'<path d="M8 16H272" stroke="{FAINT}" stroke-width="2"/>',

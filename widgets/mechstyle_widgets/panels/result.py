@@ -9,7 +9,7 @@ from typing import Any
 from mechstyle.loop.history import standing
 from mechstyle.records import Row, sentences
 from mechstyle.runs.run import Run
-from mechstyle.runs.summary import little_left
+from mechstyle.runs.summary import on_little
 from mechstyle.simulation.estimate import landings_on_the_way, plan_of
 from mechstyle_widgets.jupyter.language import said, word
 from mechstyle_widgets.panels.branches import kept, said_of
@@ -62,7 +62,7 @@ class Result(Words):
         run, shown = self._state.run, on_show(self._state)
         if run is None or shown is None or shown.kept is None:
             return ""
-        little = little_left(shown.kept, run.recipe.style.side)
+        little = on_little(run.summary.notes)
         items = "".join(f"<li>{escape(said(note))}</li>" for note in run.summary.notes if note != little)
         return f"<ul>{items}</ul>" if items else ""
 

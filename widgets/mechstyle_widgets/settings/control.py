@@ -20,7 +20,7 @@ from mechstyle_widgets.jupyter.looks import lean, show
 from mechstyle_widgets.jupyter.svg import Frame, drawing
 from mechstyle_widgets.settings.section import WIDE, Section, control, linked, setting
 
-STRATEGIES = {"linear": "evenly", "exponential": "firm near the limit", "frozen": "only at the limit"}
+STRATEGIES = {"linear": "evenly", "exponential": "faster than evenly", "frozen": "only at the limit"}
 """How demand becomes a mask, in words."""
 MEASURES = {"headroom": "spare strength", "own_max": "the part's own peak", "sigma_c": "a share of its strength", "yield": "the strength"}
 """What stress is compared with, in words."""

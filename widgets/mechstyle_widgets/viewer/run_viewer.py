@@ -14,7 +14,7 @@ from mechstyle.pictures.panels import exaggeration
 from mechstyle.records import Checkpoint
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.runs.run import Run
-from mechstyle.runs.summary import little_left
+from mechstyle.runs.summary import on_little
 from mechstyle_widgets.jupyter.looks import sharing
 from mechstyle_widgets.jupyter.throttle import Newest, Paced
 from mechstyle_widgets.state.on_show import OnShow, on_show
@@ -184,8 +184,7 @@ class RunViewer(Linked, Viewer):
         run = self._state.run
         if run is None or shown.kept is None:
             return ""
-        little = little_left(shown.kept, run.recipe.style.side)
-        return little if little in run.summary.notes else ""
+        return on_little(run.summary.notes)
 
     def fly_to_worst(self) -> None:
         """Look at the place that decides."""
