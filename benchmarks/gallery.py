@@ -44,8 +44,8 @@ ABOUT = """\
 Made by `python benchmarks/gallery.py`, for solid PLA, a fall of 1.5 m and a tolerance of 0.2 mm. *Flat* and *nearly flat* are what stays
 bent of the plain part, *strain* its most plastic strain in tension, *carries* how many times its load."""
 NOT_YET = """\
-Made by `python benchmarks/gallery.py`, which measures what stays bent of each after a fall of 1.5 m and under its load. By this measure they
-have not been measured at full size yet."""
+Made by `python benchmarks/gallery.py`, which measures what stays bent of each after a fall of 1.5 m and under its load. By this measure
+they have not been measured at full size yet."""
 COLUMNS = (
     "model", "outcome", "flat", "nearly flat", "strain", "load", "stays bent", "carries", "what it teaches", "`--protect`", "tetrahedra",
     "processor time [s]",

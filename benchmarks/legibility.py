@@ -35,6 +35,8 @@ CUPS = {
 PIXELS, LINE = 220, 26
 BARE = 4
 """Levels between a pixel of the part and the background from which it counts as one."""
+
+
 def cup(height: float, wall: float) -> SurfaceMesh:
     """A round cup without fillets, as wide as it is high times 0.8 [mm]."""
     from manifold3d import Manifold  # noqa: PLC0415

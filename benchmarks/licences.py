@@ -14,7 +14,7 @@ from pathlib import Path
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
-EXTRAS = ("jupyter", "clip")  # what `dev` brings is not installed with MechStyle
+EXTRAS = ("jupyter", "words", "step", "clip")  # what `dev` brings is not installed with MechStyle
 COPYLEFT = re.compile(r"\b(?:A|L)?GPL|General Public License|MPL|Mozilla", re.IGNORECASE)
 BUNDLED = {  # copyleft libraries inside wheels, by the beginning of their file names
     "libgmp": "GMP: LGPL-3.0-or-later or GPL-2.0-or-later",
@@ -22,6 +22,7 @@ BUNDLED = {  # copyleft libraries inside wheels, by the beginning of their file 
     "libgfortran": "libgfortran: GPL-3.0 with the GCC runtime library exception",
     "libquadmath": "libquadmath: LGPL-2.1-or-later",
     "libzmq": "libzmq: MPL-2.0",
+    "libTKernel": "Open CASCADE: LGPL-2.1 with its exception",
     "libstdc++": "libstdc++: GPL-3.0 with the GCC runtime library exception",
 }
 HEAD = """# Licences
@@ -89,6 +90,8 @@ def main() -> None:
     project = tomllib.loads((Path(__file__).parents[1] / "pyproject.toml").read_text())["project"]
     core = reached(project["dependencies"])
     extra = {name: reached(project["optional-dependencies"][name]) - core for name in EXTRAS}
+    if absent := [name for name, found in extra.items() if not found]:
+        raise SystemExit(f"install what is listed first: pip install 'mechstyle[{','.join(absent)}]'")
     print(HEAD)
     print("\n".join(remarks(core.union(*extra.values()))))
     print(DATA, end="")

@@ -1,7 +1,7 @@
-"""Makes the pictures of README and pages again from runs with stored recipes, and notes of which physics they are.
+"""Makes the pictures and the film of README and pages again from runs with stored recipes, and notes of which physics they are.
 
     python benchmarks/pictures.py                 # all that show figures of a simulation, then the list in docs/pictures.json
-    python benchmarks/pictures.py demo tutorial   # some of them
+    python benchmarks/pictures.py film tutorial   # some of them
     python benchmarks/pictures.py --note          # the list alone, for a picture of drawn styles that was made by hand
 
 Runs go to build/pictures, each in a folder of its physics: what is there goes on or is only drawn again. The test beside this list finds a
@@ -17,7 +17,7 @@ import os
 import re
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -27,7 +27,10 @@ from sheets import model_sheet
 
 import mechstyle as ms
 from mechstyle._files import write_whole
-from mechstyle.pictures.panels import Picture
+from mechstyle.pictures.figure import Panel
+from mechstyle.pictures.panels import Picture, picture
+from mechstyle.records import Verdict, sentences
+from mechstyle.runs.film import film
 from mechstyle.runs.run import Run
 from mechstyle.simulation.physics import PHYSICS_VERSION
 from mechstyle.teaching import bent
@@ -65,6 +68,33 @@ def demo() -> list[Run]:
     return [free, fed]
 
 
+def row() -> list[Run]:
+    """A pen holder plain and in three styles at the size of print, with what a fall leaves of each in three words below."""
+    part, styles = ms.load("gallery:pen_holder"), ("brick", "dragon scales", "knit")
+    runs = [ms.stylize(part, style, out=WORK / f"row-{style.split()[0]}", name="pen holder", device="cpu") for style in styles]
+    keep("row", side_by_side(runs))
+    return runs
+
+
+def side_by_side(runs: Sequence[Run]) -> Picture:
+    """The plain part and runs of it in one row, each above its outcome and what stays bent."""
+    plain = Panel(runs[0].part.surface, "plain", note=in_three_words(runs[0].summary.plain))
+    panels = [plain, *(Panel(run.surface(), run.recipe.style.prompt, note=in_three_words(run.verdict)) for run in runs)]
+    return picture(panels, title="", columns=len(panels))
+
+
+def in_three_words(verdict: Verdict) -> str:
+    """The outcome, and what stays bent in the worst test."""
+    return f"{verdict.outcome.lower()}, {sentences.found(verdict.deciding)}" if verdict.deciding else verdict.outcome.lower()
+
+
+def fall() -> list[Run]:
+    """The fall of the demo's part as a GIF: plain, freely and with feedback in one landing, then what stays bent of each."""
+    runs = demo()
+    film(runs, DOCS / "film.gif", frames=30, size=300)
+    return runs
+
+
 def tutorial() -> list[Run]:
     """The run of the tutorial: style, stress, mask."""
     knob, settings = ms.load("gallery:drawer_knob"), {"vertices": 2000, "iterations": 60, "schedule": "stress"}
@@ -86,7 +116,8 @@ def models() -> list[Run]:
 
 
 GROUPS: dict[str, tuple[Callable[[], list[Run]], tuple[str, ...], bool]] = {
-    "demo": (demo, ("demo",), True),
+    "row": (row, ("row",), True),
+    "film": (fall, ("demo", "film"), True),
     "tutorial": (tutorial, ("tutorial",), True),
     "studio": (studio, ("studio-1", "studio-2", "studio-3", "studio-paint", "report"), True),
     "gallery": (models, ("gallery",), False),
@@ -105,8 +136,14 @@ def keep(name: str, shown: Picture | Image.Image) -> None:
 def shown_in_pages() -> set[str]:
     """Pictures of docs/ that README, a page or what makes pages shows."""
     pages = [ROOT / "README.md", *DOCS.glob("*.md"), *DOCS.glob("site/*.py")]
-    found = {name for page in pages for name in re.findall(r"!\[[^\]]*\]\((?:docs/)?([\w-]+)\.png\)", page.read_text(encoding="utf-8"))}
-    return {name for name in found if (DOCS / f"{name}.png").is_file()}
+    shown = re.compile(r"!\[[^\]]*\]\((?:docs/)?([\w-]+)\.(?:png|gif)\)")
+    found = {name for page in pages for name in shown.findall(page.read_text(encoding="utf-8"))}
+    return {name for name in found if file_of(name).is_file()}
+
+
+def file_of(name: str) -> Path:
+    """The file of a picture or a film."""
+    return moving if (moving := DOCS / f"{name}.gif").is_file() else DOCS / f"{name}.png"
 
 
 def note(made: dict[str, tuple[str, list[Run]]]) -> None:
@@ -114,7 +151,7 @@ def note(made: dict[str, tuple[str, list[Run]]]) -> None:
     known = msgspec.json.decode(LIST.read_bytes(), type=dict[str, Made]) if LIST.is_file() else {}
     listed: dict[str, Made] = {}
     for name in sorted(shown_in_pages()):
-        data = (DOCS / f"{name}.png").read_bytes()
+        data = file_of(name).read_bytes()
         group = next((group for group, (_, names, _) in GROUPS.items() if name in names), "")
         before = known.get(name)
         physics, recipes = (None, ()) if before is None else (before.physics, before.recipes)

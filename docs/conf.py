@@ -113,10 +113,17 @@ def without_widgets(app: Any, document: nodes.document) -> None:
             shown.children = [nodes.paragraph("", "", nodes.emphasis("", page.LIVE))]
 
 
+AS_TYPED = (nodes.literal, nodes.math, nodes.FixedTextElement, nodes.raw)
+"""What holds text that stays as it is."""
+
+
 def whole_figures(_app: Any, document: nodes.document) -> None:
     """No figure is broken at the end of a line; what one types stays as it is."""
     for text in list(document.findall(nodes.Text)):
-        if not isinstance(text.parent, nodes.literal | nodes.FixedTextElement | nodes.raw) and (whole := page.unbroken(text)) != text:
+        if (
+            not isinstance(text.parent, nodes.literal | nodes.math | nodes.FixedTextElement | nodes.raw)
+            and (whole := page.unbroken(text)) != text
+        ):
             text.parent.replace(text, nodes.Text(whole))
 
 

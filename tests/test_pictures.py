@@ -32,8 +32,8 @@ def listed(pictures):
 def test_every_picture_of_a_page_is_noted_and_as_it_was_made(pictures, listed):
     assert set(listed) == pictures.shown_in_pages(), "make pictures, or python benchmarks/pictures.py --note"
     for name, made in listed.items():
-        path = ROOT / "docs" / f"{name}.png"
-        assert hashlib.sha256(path.read_bytes()).hexdigest() == made.digest, f"{name}.png is not the one that was noted"
+        path = pictures.file_of(name)
+        assert hashlib.sha256(path.read_bytes()).hexdigest() == made.digest, f"{path.name} is not the one that was noted"
         with Image.open(path) as opened:
             assert opened.size == tuple(made.size)
 

@@ -118,6 +118,20 @@ def report_verdict(verdict: Verdict, *, details: bool = False) -> None:
         out.print(f"[{COLOURS['UNKNOWN']}]{escape(verdict.doubt)}[/]")
 
 
+def say_once(sentences: Iterable[str], said: set[str], console: Console = err, form: str = "[dim]{}[/]") -> None:
+    """Print the sentences that are not among those that were said, and add them."""
+    if not console.quiet:
+        for sentence in dict.fromkeys(sentences):
+            if sentence not in said:
+                console.print(form.format(escape(sentence)))
+                said.add(sentence)
+
+
+def warn_once(sentences: Iterable[str], said: set[str], console: Console = err) -> None:
+    """Print sentences as warnings, as `say_once` does."""
+    say_once(sentences, said, console, "[yellow]warning:[/] {}")
+
+
 class FittingTable(Table):
     """A table that is a list, with a line for each cell, on a terminal too narrow for its longest words."""
 
@@ -203,14 +217,11 @@ class ProgressDisplay:
 
     def warn(self, sentences: Iterable[str]) -> None:
         """Say what is to be known before the end, each sentence once, however often a part is prepared."""
-        self.say(sentences, "[yellow]warning:[/] {}")
+        warn_once(sentences, self.said, self._progress.console)
 
-    def say(self, sentences: Iterable[str], form: str = "[dim]{}[/]") -> None:
+    def say(self, sentences: Iterable[str]) -> None:
         """Say sentences that have not been said yet."""
-        for sentence in dict.fromkeys(sentences):
-            if sentence not in self.said:
-                self._progress.console.print(form.format(escape(sentence)))
-                self.said.add(sentence)
+        say_once(sentences, self.said, self._progress.console)
 
     def event(self, event: Event) -> None:
         """Show an event."""

@@ -55,9 +55,7 @@ def _help_all(context: typer.Context, wanted: bool) -> None:
 HelpAll = Annotated[
     bool, typer.Option("--help-all", callback=_help_all, is_eager=True, help="Show every option, also those that few need, and exit.")
 ]
-COMMON = frozenset(
-    ("prompt", "image", "relief", "feature", "protect", "control", "material", "height", "tolerance", "loads", "strengthen")
-)
+COMMON = frozenset(("prompt", "image", "relief", "feature", "protect", "control", "material", "height", "tolerance", "loads", "strengthen"))
 """Settings whose options stand in the short help of a command that has a long one."""
 
 READING = {

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from mechstyle.cli.console import command, err, escape, out, print_json, progress_shown, report_verdict
+from mechstyle.cli.console import command, err, escape, out, print_json, progress_shown, report_verdict, say_once, warn_once
 from mechstyle.cli.options import (
     DEFAULTS_MAY_CHANGE,
     Details,
@@ -72,13 +72,15 @@ def carry_out(
         vertices = QUICK_VERTICES if quick else STANDARD_VERTICES
     wanted = draft(**settings, freestyle=freestyle)
     device = resolve_device(device)
+    said = set() if said is None else said
     read = None if wanted.style.stylizer or wanted.style.guidance != "offline" else reading_of(wanted)
+    if not as_json:
+        warn_once((*expected(wanted), *idle(settings, wanted)), said)
+        say_once(() if read is None else (f"prompt read as {read.words}", *read.notes), said)
     mesh, name = read_model(model, reading, quiet=as_json)
     if not as_json and device == "cpu":
         err.print(f"[dim]{escape(estimated(wanted, vertices).words)}[/]")
     with progress_shown(wanted.schedule.iterations, quiet=as_json, said=said) as teller:
-        teller.say(() if read is None else (f"prompt read as {read.words}", *read.notes))
-        teller.warn((*expected(wanted), *idle(settings, wanted)))
         run = started(
             wanted,
             mesh,

@@ -160,7 +160,8 @@ def tabulated(verdict: Verdict, *, briefly: bool = False) -> tuple[tuple[str, ..
     shown = worst_of_each(verdict) if briefly else [(row, 1) for row in verdict.rows]
     rows: list[tuple[str, ...]] = [
         (
-            f"{row.test}, worst of {many}" if many > 1 else label(row), "–" if row.plain_permanent_set is None else bend(row.plain_permanent_set), found(row), allowed(row),
+            f"{row.test}, worst of {many}" if many > 1 else label(row),
+            "–" if row.plain_permanent_set is None else bend(row.plain_permanent_set), found(row), allowed(row),
             "–" if row.stress is not None else f"{row.plastic_strain:.1%}", row.outcome,
         )
         for row, many in shown

@@ -24,6 +24,7 @@ from mechstyle.records.mesh import TetMesh
 from mechstyle.runs.folders import default_folder
 from mechstyle.runs.run import Run, begin
 from mechstyle.simulation.part import fitted
+from support import ROOT
 
 KEYS = {
     "outcome",
@@ -107,7 +108,7 @@ def test_a_run_ends_with_its_verdict_its_table_and_its_doubt(finished, monkeypat
 
 
 def test_a_run_prints_twelve_lines_after_it_is_done_and_one_share_of_the_style(finished):
-    line, root, summary = finished
+    line, _, summary = finished
     done = line.here(*line.styled, "--out", "part")
     assert len(done.stdout.strip().splitlines()) <= 12
     assert done.stdout.count("style kept") == 1
@@ -117,7 +118,7 @@ def test_a_run_prints_twelve_lines_after_it_is_done_and_one_share_of_the_style(f
 
 
 def test_details_have_what_the_result_leaves_out(finished):
-    line, root, summary = finished
+    line, _, summary = finished
     whole = line.here(*line.styled, "--out", "part", "--details").stdout
     assert "style loss" in whole
     assert "seconds: " in whole
@@ -154,6 +155,19 @@ def test_a_branch_shares_its_past_and_follows_its_own_settings(branched):
     assert [entry.digest for entry in branch[:7]] == [entry.digest for entry in main[:7]]
     assert branch[7].digest != main[7].digest
     assert [entry["iteration"] for entry in summary["simulations"] if entry["iteration"] > 6][:2] == [9, 12]
+
+
+def test_the_branch_of_the_readme_puts_a_finished_run_under_a_mask(finished, tmp_path):
+    """A branch with a threshold alone did nothing, for a run that finishes first has no masks."""
+    line, root, _ = finished
+    shutil.copytree(root, tmp_path / "cup")
+    (command,) = re.findall(r"`mechstyle (branch .+?)`", (ROOT / "README.md").read_text())
+    done = line.here(*command.replace("runs/cup@60", f"{tmp_path / 'cup'}@6").split(), "--details")
+    assert "does nothing" not in done.stderr
+    lane = line.here("log", tmp_path / "cup", "--json").json["lanes"][-1]
+    assert Run.open(f"{tmp_path / 'cup'}@{lane['lane']}").recipe.schedule.when == "stress"
+    idle = line.here("branch", f"{tmp_path / 'cup'}@main:6", "--threshold", "0.5").stderr
+    assert "threshold does nothing without masks" in idle
 
 
 def test_log_lists_both_lanes_with_reasons(branched):

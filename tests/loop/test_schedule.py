@@ -99,7 +99,8 @@ def test_the_share_of_the_wall_counts_not_the_way():
 
 
 def test_a_cut_counts_as_much_as_a_bump():
-    assert due(recipe("geometry"), progress(travelled=(0.0, -0.52, 0.0))) == "the relief has moved 0.52 mm on a wall of 4.0 mm: more than 10.0% of it"
+    inwards = progress(travelled=(0.0, -0.52, 0.0))
+    assert due(recipe("geometry"), inwards) == "the relief has moved 0.52 mm on a wall of 4.0 mm: more than 10.0% of it"
 
 
 def test_geometry_is_due_above_its_threshold_not_at_it():

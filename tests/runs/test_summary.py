@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import msgspec
+import numpy as np
 import pytest
 
 from mechstyle.loop.objects import read_record, to_json
@@ -21,9 +22,14 @@ def test_a_summary_has_the_verdict_of_what_is_delivered_and_the_tests_behind_it(
     assert {"rows", "outcome", "tolerance", "kept"} <= set(msgspec.json.decode(to_json(summary))), "what programs read"
 
 
-@pytest.mark.parametrize(("kept", "guarantee", "said"), [(0.33, True, True), (0.95, True, False), (0.33, False, False)])
-def test_a_run_that_keeps_little_says_how_to_keep_more(tmp_path, monkeypatch, kept, guarantee, said):
+@pytest.mark.parametrize(
+    ("kept", "cuts", "guarantee", "said"),
+    [(0.33, 0.4, True, True), (0.95, 0.4, True, False), (0.33, 0.4, False, False), (0.33, 0.02, True, False)],
+)
+def test_a_run_that_keeps_little_says_how_to_keep_more_where_that_would(tmp_path, monkeypatch, kept, cuts, guarantee, said):
+    """A box whose relief only stood out on 98 % of it was advised to let it go outwards."""
     monkeypatch.setattr("mechstyle.loop.engine.Engine.kept", lambda _engine, _state: kept)
+    monkeypatch.setattr("mechstyle.loop.engine.Engine.cuts", lambda _engine: cuts)
     run = lane_on_a_sheet(tmp_path / "run", iterations=2, guarantee=guarantee)
     assert any("--side outwards" in note for note in run.summary.notes) == said
 
@@ -40,3 +46,12 @@ def test_where_little_of_the_style_is_left_it_is_said_how_to_keep_more():
     assert said.startswith("only 33% of the style is left")
     assert "--side outwards" in said
     assert little_left(0.33, 0.02) == little_left(0.95, 0.5) == "", "the advice would change nothing"
+
+
+@pytest.mark.parametrize(("deep", "share"), [(-0.5, 1.0), (0.5, 0.0)])
+def test_the_share_that_cuts_is_read_from_the_target(tmp_path, monkeypatch, deep, share):
+    found = []
+    monkeypatch.setattr("mechstyle.loop.engine.Engine._target", lambda engine: np.full(len(engine.surface.vertices), deep, np.float32))
+    monkeypatch.setattr("mechstyle.runs.summary.little_left", lambda _kept, cuts: found.append(cuts) or "")
+    lane_on_a_sheet(tmp_path / "run", iterations=2)
+    assert found == [share]

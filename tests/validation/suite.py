@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import platform
-import re
 from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
@@ -92,7 +91,7 @@ def write_page(path: Path, found: Found) -> Path:
         "The simulation compared with theory, with CalculiX, with finer meshes and with other arithmetic.",
         "Written by `python benchmarks/validate.py --page`.",
         "",
-        "`python benchmarks/validate.py --case NAME` runs one again; `validation.json` keeps every figure, its machine and what it was compared with.",
+        "`python benchmarks/validate.py --case NAME` runs one again; `validation.json` keeps every figure, its machine and its reference.",
         "",
         "| case | what | figures | passed | largest error over its limit |",
         "|---|---|---|---|---|",
