@@ -30,8 +30,8 @@ FALLING, PAUSE = 7, 2500
 """Frames before first touch, and how long the last frame stays [ms]."""
 AIR = 0.22
 """Height of the part in the first frame, over its size."""
-BENT = 0.05
-"""Largest deformation that is drawn, over the size of the part: what really happens is too small to see."""
+BENT, STAYS = 0.05, 0.1
+"""Largest deformation that is drawn on the way and in the end, over the size of the part: what really happens is too small to see."""
 BAND, BAR, EDGE = 30, 58, 12
 """Heights of the words above a part and of the colour bar below, and the gap between parts [pixels]."""
 AZIMUTH = 30.0
@@ -117,7 +117,8 @@ def _scenes(run: Run, *, plain: bool, progress: Callable[[float], None]) -> list
         impact = impact_of(simulator, simulation, FLAT, lambda _: progress(0.0))
         return Scene(title, ending if known else "", simulator.part.surface.displaced(simulation.displacement), impact)
 
-    scenes = [scene(title, styled, "" if row is None else f"{sentences.found(row)} stays bent")]
+    value, comma, cracks = sentences.found(row).partition(", ") if row is not None else ("", "", "")
+    scenes = [scene(title, styled, f"{value} stays bent{comma}{cracks}")]
     if plain:
         base = simulator.baseline
         scenes.insert(0, scene("plain part", base, f"{sentences.bend(base.landings[0].permanent_set)} stays bent" if base.landings else ""))
@@ -135,24 +136,31 @@ def _frames(scenes: Sequence[Scene], strength: float, count: int, size: int, pro
     cloud = np.concatenate([whole, whole + UP * AIR * span, [[whole[:, 0].mean(), whole[:, 1].mean(), -0.06 * span]]])
     tall = round(1.15 * size)
     camera = Camera.fitted(cloud, AZIMUTH, 0.0, aspect=size / tall)
-    bent = max(float(np.abs(one.impact.motion(one.surface.vertices, one.impact.peak).deformation).max()) for one in scenes)
-    factor = max(1.0, BENT * span / max(bent, 1e-9))
+    on_the_way = _exaggerated(scenes, span * BENT, lambda impact: impact.peak)
+    in_the_end = max(on_the_way, _exaggerated(scenes, span * STAYS, lambda impact: impact.end))
     pictures = []
     for number in range(FALLING + count):
         time = None if number < FALLING else float(moments[number - FALLING])
         above = AIR * span * (1.0 - number / FALLING) if time is None else 0.0
         final = number == FALLING + count - 1
+        factor = in_the_end if final else on_the_way
         page = Image.new("RGB", (len(scenes) * (size + EDGE) + EDGE, BAND + tall + BAR), PAPER)
         for place, one in enumerate(scenes):
             picture = _drawn(one, time, above, camera, scale, factor, (size, tall))
             left = EDGE + place * (size + EDGE)
             page.paste(Image.fromarray(picture), (left, BAND))
             ImageDraw.Draw(page).text((left, 6), one.ending if final and one.ending else one.title, INK, ImageFont.load_default(16))
-        when = "" if time is None else "the shape that stays" if final else f"{time:.2f} ms after first touch"
+        when = "" if time is None else "what stays bent" if final else f"{time:.2f} ms after first touch"
         _legend(page, scale, BAND + tall, when, factor)
         pictures.append(page)
         progress((number + 1) / (FALLING + count))
     return pictures
+
+
+def _exaggerated(scenes: Sequence[Scene], drawn: float, moment: Callable[[Impact], int]) -> float:
+    """The factor with which the largest deformation at a moment is drawn so large [mm], the same for all parts; at least 1."""
+    motions = (one.impact.motion(one.surface.vertices, moment(one.impact)) for one in scenes)
+    return max(1.0, drawn / max(max(float(np.abs(one.deformation).max()) for one in motions), 1e-9))
 
 
 def _drawn(

@@ -72,6 +72,12 @@ def test_it_ends_in_the_shape_that_stays_and_says_how_far_it_is_off(lane, monkey
     assert np.abs(shapes[-1].vertices - shapes[-2].vertices).max() > 1e-3
 
 
+def test_a_crack_is_named_after_the_millimetres(lane, monkeypatch):
+    """It ended with «0.53 mm, cracks stays bent»."""
+    monkeypatch.setattr(module.sentences, "found", lambda _: "0.53 mm, cracks")
+    assert module._scenes(lane, plain=False, progress=lambda _: None)[0].ending == "0.53 mm stays bent, cracks"
+
+
 def test_stress_is_the_largest_so_far(lane):
     scene = module._scenes(lane, plain=False, progress=lambda _: None)[0]
     seen = []
