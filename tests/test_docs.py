@@ -89,7 +89,7 @@ def test_more_pages_words_and_links_than_may_be_are_found(monkeypatch):
         monkeypatch.setattr(PROSE, name, less)
     said = [line.partition(" ")[2] for line in PROSE.large(12)]
     assert said == [
-        "words are written in all, 10 at most", "words are generated, 10 at most", "pages are written in docs/, 5 at most",
+        "words are written in docs/, 10 at most", "words are generated, 10 at most", "pages are written in docs/, 5 at most",
         "links are in the sidebar, 5 at most", "words are in docs/index.md, 5 at most",
     ]  # fmt: skip
 

@@ -160,7 +160,7 @@ def _frames(scenes: Sequence[Scene], strength: float, count: int, size: int, pro
 def _exaggerated(scenes: Sequence[Scene], drawn: float, moment: Callable[[Impact], int]) -> float:
     """The factor with which the largest deformation at a moment is drawn so large [mm], the same for all parts; at least 1."""
     motions = (one.impact.motion(one.surface.vertices, moment(one.impact)) for one in scenes)
-    return max(1.0, drawn / max(max(float(np.abs(one.deformation).max()) for one in motions), 1e-9))
+    return max(1.0, drawn / max(1e-9, *(float(np.abs(one.deformation).max()) for one in motions)))
 
 
 def _drawn(
