@@ -162,7 +162,7 @@ def report_export(place: Path, written: Exported) -> None:
     rows.add_row("crossing pairs of faces", str(q.crossings_before), str(q.crossings))
     rows.add_row("thinnest wall, mm", f"{q.thinnest_before:.2f}", f"{q.thinnest:.2f}")
     rows.add_row("wall that 1 % falls short of, mm", f"{q.thin_before:.2f}", f"{q.thin:.2f}")
-    rows.add_row("mass if solid, g", f"{q.mass - q.mass_change:.1f}", f"{q.mass:.1f} ({q.volume_change:+.1%})")
+    rows.add_row("mass as printed, g", f"{q.mass - q.mass_change:.1f}", f"{q.mass:.1f} ({q.volume_change:+.1%})")
     out.print(rows)
     if (plan := written.printing) is not None:  # what the print costs, which filaments the file names, and what would cost less
         out.print(f"{plan.cost.words} [dim](estimate, of a changer with one nozzle: docs/printing.md)[/]")

@@ -98,6 +98,7 @@ TYPED: dict[str, RecipeOption] = {
     "height": RecipeOption(kind=str, hint='In m, cm or mm, such as "1.5 m"; a bare number is in mm.'),
     "tolerance": RecipeOption(kind=str, hint='In mm or µm, such as "0.2 mm".'),
     "build_direction": RecipeOption(kind=str),
+    "infill": RecipeOption(kind=str, hint='Such as "15 %".'),
     "loads": RecipeOption(("--load",), Path, "A .toml file, or gallery:NAME for the load of that model's use."),
     "protect": RecipeOption(
         kind=list[str],
@@ -125,6 +126,7 @@ def recipe_options(
     """
     options = [_parameter(name, begins=begins, hidden=short and name not in COMMON) for name in OPTIONS if name in names]
     options += [Parameter("help_all", Parameter.KEYWORD_ONLY, annotation=HelpAll, default=False)] if short else []
+    options += [_sliced(hidden=short)] if "infill" in names else []
     options += [Parameter("others", Parameter.KEYWORD_ONLY, annotation=Others, default=None)] if others else []
 
     def decorate(function: Callable[..., None]) -> Callable[..., None]:
@@ -165,7 +167,7 @@ def _parameter(name: str, *, begins: bool, hidden: bool = False) -> Parameter:
     if isinstance(default, bool):
         shown = f"--{'' if default else 'no-'}{name.replace('_', '-')}"
     elif name in READERS:
-        shown = written(default)
+        shown = f"{100.0 * default:g} %" if name == "infill" else written(default)
     option = typer.Option(
         ... if required else known.default if begins else None,
         *known.flags,
@@ -176,6 +178,15 @@ def _parameter(name: str, *, begins: bool, hidden: bool = False) -> Parameter:
     )
     kind = known.kind or TYPES[name]
     return Parameter(name, Parameter.KEYWORD_ONLY, annotation=kind if required else kind | None, default=option)
+
+
+def _sliced(*, hidden: bool) -> Parameter:
+    """The option that reads how a part is printed from what a slicer made of it."""
+    known = (
+        "Read walls, layers and infill from the G-code of PrusaSlicer, OrcaSlicer, Bambu Studio or Cura; options beside it go before it."
+    )
+    option = typer.Option("--sliced", metavar="FILE", help=known, rich_help_panel=panel_of("infill"), hidden=hidden)
+    return Parameter("sliced", Parameter.KEYWORD_ONLY, annotation=Annotated[Path | None, option], default=None)
 
 
 def _joined(signature: Signature, options: list[Parameter], replaced: str = "settings") -> Signature:

@@ -13,7 +13,7 @@ from mechstyle.cli.run import read_model
 from mechstyle.errors import BadInput
 from mechstyle.records.landings import STANDARDS
 from mechstyle.records.mesh import STANDARD_VERTICES
-from mechstyle.records.recipe import DEFAULTS
+from mechstyle.records.recipe import DEFAULTS, settings_of
 from mechstyle.records.regions import KINDS
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ Original = Annotated[
 @reads_a_part
 @recipe_options(
     "material", "height", "tolerance", "orientations", "poses", "nearly_flat", "standard", "build_direction", "criterion", "loads",
-    "minimum_wall", "window",
+    "minimum_wall", "window", *settings_of("printed"),
 )  # fmt: skip
 def simulate_command(
     model: Model,
@@ -93,8 +93,11 @@ def _figures(dropped: PartTest, files: dict[str, str]) -> dict[str, Any]:
         "course": dropped.course,
         "history": history_figures(dropped.history),
         "warning": dropped.warning,
+        "advice": dropped.advice,
         "notes": dropped.part.notes,
         "material": dropped.recipe.test.material,
+        "printed": dropped.recipe.printed,
+        "mass": dropped.mass,
         "tetrahedra": len(dropped.tets.tets),
         "fit": dropped.fit,
         "relief": {"lowest": float(dropped.relief.min()), "highest": float(dropped.relief.max()), "followed": simulation.carried},
@@ -114,6 +117,10 @@ def _report(dropped: PartTest, files: dict[str, str], *, details: bool) -> None:
         out.print(f"{what}: {escape(path)}")
     out.print()
     report_verdict(dropped.verdict, details=details)
+    if not dropped.recipe.printed.solid:
+        out.print(f"weighs {dropped.mass:.1f} g as printed")
+    if dropped.advice:
+        out.print(escape(dropped.advice))
     if test.layers_judged:
         out.print(escape(test.layers_judged))
     if test.after_standard:

@@ -26,6 +26,30 @@ from mechstyle.records.mesh import Bools, Floats, Indices, TetMesh
 
 
 @dataclass(frozen=True, eq=False)
+class Relative:
+    """What a cellular body has of the properties of the solid it is made of, its holes smeared out (Gibson and Ashby 1997).
+
+    Attributes:
+        density: Its density over the solid's at the Gauss points, shape [tet_count, points], as the others.
+        stiffness: Its stiffness over the solid's.
+        strength: Its yield strength over the solid's.
+    """
+
+    density: Floats
+    stiffness: Floats
+    strength: Floats
+
+    @property
+    def bears(self) -> Floats:
+        """Stress that the solid would have at the strain at which the body yields, over the solid's strength, [tet_count, points]."""
+        return self.strength / self.stiffness
+
+    def of(self, which: Indices) -> Relative:
+        """That of some tetrahedra."""
+        return Relative(self.density[which], self.stiffness[which], self.strength[which])
+
+
+@dataclass(frozen=True, eq=False)
 class Discretisation:
     """A body in the order in which it is computed.
 
@@ -49,6 +73,7 @@ class Discretisation:
             of a node follow each other in the order of the tetrahedra.
         first_slot: Where each node's slots start, shape [node_count + 1].
         stiffness: Its stiffness in the order of computation.
+        relative: What it has of the solid's properties, in the order of computation; None for a solid body.
     """
 
     mesh: ElementMesh
@@ -65,6 +90,12 @@ class Discretisation:
     slots: Indices
     first_slot: Indices
     stiffness: Stiffness
+    relative: Relative | None = None
+
+    @property
+    def point_volumes(self) -> Floats:
+        """Volume of solid as stiff as each Gauss point's share of its tetrahedron [mm³], shape [tet_count, points]."""
+        return self.stiffness.point_volumes
 
     @property
     def positions(self) -> Floats:
@@ -84,8 +115,12 @@ class Discretisation:
         return self.positions - self.centre
 
 
-def discretise(tets: TetMesh, material: Material, added_mass: float, element: Element = LINEAR) -> Discretisation:
+def discretise(
+    tets: TetMesh, material: Material, added_mass: float, element: Element = LINEAR, relative: Relative | None = None
+) -> Discretisation:
     """Number a body and lump its masses, made heavier by the share `added_mass` of the whole where that lengthens the stable step most.
+
+    `relative` is what it has of the solid's properties, tetrahedra in the caller's numbering; None for a solid body.
 
     BadInput if there is no tetrahedron, a vertex is not finite or a tetrahedron is flat or inverted.
     """
@@ -102,14 +137,18 @@ def discretise(tets: TetMesh, material: Material, added_mass: float, element: El
     place, tet_order, connectivity = numbering.place, numbering.tet_order, numbering.connectivity[numbering.tet_order]
     gradients, volumes = barycentric_gradients(mesh.tets)[tet_order, 1:], mesh.tets.volumes[tet_order]
     lumped = np.empty(len(mesh.nodes))
-    lumped[place] = lumped_masses(mesh, material.density * mesh.tets.volumes)
-    stiffness = Stiffness(numbering.pairs, gradients, volumes, element, material)
+    density = 1.0 if relative is None else relative.density.mean(axis=1)
+    lumped[place] = lumped_masses(mesh, material.density * density * mesh.tets.volumes)
+    ordered = None if relative is None else relative.of(tet_order)
+    factors = None if ordered is None else ordered.stiffness
+    stiffness = Stiffness(numbering.pairs, gradients, volumes, element, material, factors)
+    slower = 1.0 if ordered is None else np.sqrt(ordered.stiffness.max(axis=1) / ordered.density.mean(axis=1))
     masses, highest, limit = lengthened(stiffness.norms, lumped, added_mass)
     return Discretisation(
         mesh=mesh, vertices=numbering.vertices, place=place, tet_order=tet_order, connectivity=place[connectivity], gradients=gradients,
         volumes=volumes, masses=masses, added_mass=float(masses.sum() / lumped.sum() - 1.0), highest=highest,
-        frequencies=np.minimum(element.stiffer * element_frequencies(mesh.tets, material)[tet_order], np.sqrt(limit)),
-        slots=numbering.slots, first_slot=numbering.first_slot, stiffness=stiffness,
+        frequencies=np.minimum(element.stiffer * element_frequencies(mesh.tets, material)[tet_order] * slower, np.sqrt(limit)),
+        slots=numbering.slots, first_slot=numbering.first_slot, stiffness=stiffness, relative=ordered,
     )  # fmt: skip
 
 
@@ -195,13 +234,20 @@ class Pairs:
 
 @dataclass(frozen=True, eq=False)
 class Stiffness:
-    """Small-strain stiffness, which both laws have; gradients and volumes as in `Discretisation`."""
+    """Small-strain stiffness, which both laws have; gradients and volumes as in `Discretisation`, `factors` on it as in `Relative`."""
 
     pairs: Pairs
     gradients: Floats
     volumes: Floats
     element: Element
     material: Material
+    factors: Floats | None = None
+
+    @property
+    def point_volumes(self) -> Floats:
+        """As in `Discretisation`."""
+        points = np.repeat(self.volumes[:, None] / self.element.points, self.element.points, axis=1)
+        return points if self.factors is None else points * self.factors
 
     def matrix(self) -> bsr_array:
         """K = Σ K_e [N/mm], shape [3 node_count, 3 node_count]."""
@@ -229,9 +275,15 @@ class Stiffness:
         corners = la * products + mu * products.swapaxes(3, 4)
         corners += mu * np.einsum("ijnkk->ijn", products)[..., None, None] * np.eye(3)
         derivatives = self.element.derivatives[..., 1:] - self.element.derivatives[..., :1]  # by L_1, L_2, L_3, of which L_0 is the rest
-        means = np.einsum("qai,qbj->abij", derivatives, derivatives) / self.element.points
-        means = means[np.triu_indices(self.element.nodes)].reshape(-1, 9)
-        blocks = (means @ corners.reshape(9, -1)).reshape(-1, 3, 3)
+        pairs = np.triu_indices(self.element.nodes)
+        if self.factors is None:
+            means = np.einsum("qai,qbj->abij", derivatives, derivatives) / self.element.points
+            blocks = means[pairs].reshape(-1, 9) @ corners.reshape(9, -1)
+        else:
+            means = np.einsum("qai,qbj->abqij", derivatives, derivatives)[pairs].reshape(len(pairs[0]), -1, 9) / self.element.points
+            scaled = (means[:, q] @ (corners * self.factors[:, q, None, None]).reshape(9, -1) for q in range(self.element.points))
+            blocks = np.asarray(sum(scaled))
+        blocks = blocks.reshape(-1, 3, 3)
         turned = self.pairs.turned.ravel()
         blocks[turned] = blocks[turned].transpose(0, 2, 1)
         return np.asarray(blocks.reshape(-1, 9))

@@ -15,7 +15,7 @@ from mechstyle._warp import without_native_stderr, wp
 from mechstyle.errors import BadInput, MissingPiece
 from mechstyle.fea.backends.cpu import CoreBody
 from mechstyle.fea.backends.gpu import DeviceBody
-from mechstyle.fea.discretisation import Discretisation, discretise
+from mechstyle.fea.discretisation import Discretisation, Relative, discretise
 from mechstyle.fea.elasticity import element_frequencies, law_named
 from mechstyle.fea.elements import element_named
 from mechstyle.fea.explicit import (
@@ -105,7 +105,8 @@ class Drop:
 
     Attributes:
         von_mises: Running maximum of the von Mises stress at the Gauss points [MPa], shape [orientations, tet_count, points]: Kirchhoff's
-            of a body that flows, Cauchy's of an elastic one. Infinite if the drop failed, as are the next three.
+            of a body that flows, Cauchy's of an elastic one; in a cellular body that of its solid parts. Infinite if the drop failed, as
+            are the next three.
         plastic_strain: Equivalent plastic strain ε_p when it was over, of the same shape.
         tension_strain: The part ε_t of it that was gathered in tension, where the mean stress is above −σ_vM/3, of the same shape.
         flow: A = C_p⁻¹ − I then as xx yy zz xy yz zx, shape [orientations, tet_count, points, 6].
@@ -154,6 +155,7 @@ def drop(
     device: str = "auto",
     progress: Progress = no_progress,
     period: float | None = None,
+    relative: Relative | None = None,
 ) -> Drop:
     """Drop a body onto the floor in every given orientation and follow it until the impact has ended, or through the window.
 
@@ -165,6 +167,7 @@ def drop(
         device: "cpu", "cuda", "cuda:1", … or "auto": CUDA if there is a device.
         progress: Called now and then in the calling thread with the fraction done; may raise to cancel.
         period: Lowest elastic period of the body [ms], which decides when its impact has ended; None to work it out if it is needed.
+        relative: What a body that is not solid has of the solid's properties.
 
     Raises:
         BadInput: Unusable tetrahedra or device name.
@@ -174,7 +177,7 @@ def drop(
     normals = np.asarray(directions, np.float64)
     normals = normals / np.linalg.norm(normals, axis=1, keepdims=True)
     where = resolve_device(device)
-    discretisation = discretise(tets, material, test.added_mass, element_named(test.element))
+    discretisation = discretise(tets, material, test.added_mass, element_named(test.element), relative)
     body = body_on(where, discretisation)
     tracks, scheme = tracks_for(discretisation, material, normals, test, period)
     rule = tracks[0].rule

@@ -153,9 +153,12 @@ def lumped_masses(mesh: ElementMesh, masses: Floats) -> Floats:
     return np.asarray(np.bincount(mesh.connectivity.ravel(), shares.ravel(), len(mesh.nodes)), dtype=np.float64)
 
 
-def stiffness_matrix(mesh: ElementMesh, material: Material) -> sparse.csr_array:
-    """Small-strain stiffness K = Σ V Bᵀ C B [N/mm], shape [3 node_count, 3 node_count], x, y, z of a node adjacent."""
-    gradients, volumes = shape_gradients(mesh), point_volumes(mesh)
+def stiffness_matrix(mesh: ElementMesh, material: Material, factors: Floats | float = 1.0) -> sparse.csr_array:
+    """Small-strain stiffness K = Σ V Bᵀ C B [N/mm], shape [3 node_count, 3 node_count], x, y, z of a node adjacent.
+
+    `factors` are on the stiffness at the Gauss points, shape [tet_count, points].
+    """
+    gradients, volumes = shape_gradients(mesh), factors * point_volumes(mesh)
     mu, la = material.shear_modulus, material.lame_lambda
     size, width = 3 * len(mesh.nodes), 3 * mesh.element.nodes
     whole = sparse.csr_array((size, size))

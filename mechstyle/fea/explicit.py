@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from scipy.sparse import eye_array
 
 from mechstyle.errors import BadInput
-from mechstyle.fea.discretisation import Discretisation, bound
+from mechstyle.fea.discretisation import Discretisation, Relative, bound
 from mechstyle.fea.elasticity import LAWS, ElasticLaw, StableNeoHookean
 from mechstyle.records.mesh import Floats
 
@@ -111,6 +111,16 @@ class Scheme:
 def law_number(law: ElasticLaw) -> int:
     """The place of a law in LAWS, by which the kernels know it."""
     return LAWS.index("stable_neo_hookean" if isinstance(law, StableNeoHookean) else "st_venant_kirchhoff")
+
+
+def limits(strength: float, hardening: float, relative: Relative | None) -> Floats:
+    """What bounds the stress of the solid with the strains of a body, shape [3] or [tet_count, points, 3].
+
+    They are strength and hardening [MPa], σ_y and h times what the body bears, and the factor on a stress squared that makes it comparable
+    with σ_y. A smeared body yields at the stress at which its solid parts do; its own stress is `relative.stiffness` times the solid's.
+    """
+    bears = np.ones(()) if relative is None else relative.bears
+    return np.stack([np.minimum(strength * bears, ELASTIC), hardening * bears, bears**-2.0], axis=-1)
 
 
 @dataclass(frozen=True, eq=False)

@@ -115,6 +115,7 @@ class Ramp:
     def __init__(self, held: Held, springback: Springback, load: Floats, tolerance: float) -> None:
         self._held, self._springback, self._tolerance = held, springback, tolerance
         self._load, self._shaped = tilted(load), held.shaped()
+        self._density = _density(held.body)
         body = held.body  # single precision strains every tetrahedron by rounding, the more the farther it moves
         steepness = np.einsum("tij,tij->t", body.gradients, body.gradients)
         self._rounding = np.finfo(np.float32).eps ** 2 * body.stiffness.material.youngs_modulus * _dot(body.volumes, steepness)
@@ -189,7 +190,7 @@ class Ramp:
         permanent = self._springback(plastic[..., :FLOW])[0][body.place[: len(mesh.tets.vertices)]]
         in_order = np.empty_like(plastic[0])
         in_order[body.tet_order] = plastic[0]
-        figures = measured(mesh.tets, permanent, in_order[..., TENSION])
+        figures = measured(mesh.tets, permanent, in_order[..., TENSION], self._density)
         return Balance(factor, displacement, in_order[..., STRAIN], permanent, figures)
 
     def _stress(self) -> NDArray[np.float32]:
@@ -204,6 +205,15 @@ class Ramp:
         ordered = np.empty_like(displacement)
         ordered[self._held.body.place] = displacement
         return ordered
+
+
+def _density(body: Discretisation) -> Floats | float:
+    """Share that is solid at the Gauss points, shape [tet_count, points], in the order of its mesh."""
+    if body.relative is None:
+        return 1.0
+    density = np.empty_like(body.relative.density)
+    density[body.tet_order] = body.relative.density
+    return density
 
 
 def tilted(load: Floats) -> Floats:

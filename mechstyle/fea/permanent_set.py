@@ -78,7 +78,7 @@ class Springback:
         tets = np.flatnonzero(flow.any(axis=(1, 2)))
         strain, material = plastic_strain(flow[tets]), body.stiffness.material
         spherical = material.lame_lambda * np.einsum("tpii->tp", strain)[..., None, None] * np.eye(3)
-        stress = (spherical + 2.0 * material.shear_modulus * strain) * (body.volumes[tets] / element.points)[:, None, None, None]
+        stress = (spherical + 2.0 * material.shear_modulus * strain) * body.point_volumes[tets][..., None, None]
         by_barycentric = element.derivatives[..., 1:] - element.derivatives[..., :1]  # by L_1, L_2, L_3, of which L_0 is the rest
         shares = np.einsum("tpxy,paj,tjy->tax", stress, by_barycentric, body.gradients[tets], optimize=True)
         nodes, count = body.connectivity[tets].ravel(), len(body.masses)
@@ -100,40 +100,44 @@ def measured_volume(tets: TetMesh) -> float:
     return min(VOLUME, SHARE * float(tets.volumes.sum()))
 
 
-def measured(tets: TetMesh, displacement: ArrayLike, tension_strain: ArrayLike) -> Measured:
+def measured(tets: TetMesh, displacement: ArrayLike, tension_strain: ArrayLike, density: Floats | float = 1.0) -> Measured:
     """The figures of a test, by what it leaves.
 
     Args:
         tets: The part.
         displacement: What stays of it at its vertices [mm], shape [vertex_count, 3].
         tension_strain: Plastic strain gathered in tension at the Gauss points, shape [tet_count, points].
+        density: Share that is solid at the Gauss points, shape [tet_count, points], as only that counts.
     """
     volume = measured_volume(tets)
-    length, where = exceeded(tets, np.linalg.norm(np.asarray(displacement, np.float64), axis=1), volume)
-    return Measured(length, where, quantile(tension_strain, tets.volumes, volume))
+    solid = density if np.ndim(density) == 0 else np.mean(density, axis=1)
+    length, where = exceeded(tets, np.linalg.norm(np.asarray(displacement, np.float64), axis=1), volume, solid)
+    return Measured(length, where, quantile(tension_strain, tets.volumes, volume, density))
 
 
-def quantile(values: ArrayLike, volumes: Floats, volume: float) -> float:
+def quantile(values: ArrayLike, volumes: Floats, volume: float, density: Floats | float = 1.0) -> float:
     """The value that more than a volume [mm³] exceeds or reaches; the least if there is no more than that volume.
 
-    `values` are at the Gauss points, [tet_count, points], each of which stands for its share of the tetrahedron, of `volumes` [tet_count].
+    `values` are at the Gauss points, [tet_count, points], each of which stands for its share of the tetrahedron, of `volumes` [tet_count],
+    by as much of it as is solid, `density`, [tet_count, points].
     """
     points = np.asarray(values, np.float64)
     order = np.argsort(-points, axis=None)
-    held = np.cumsum(np.repeat(volumes / points.shape[1], points.shape[1])[order])
+    shares = np.repeat(volumes[:, None] / points.shape[1], points.shape[1], axis=1) * density
+    held = np.cumsum(shares.ravel()[order])
     return float(points.ravel()[order[min(int(np.searchsorted(held, volume, side="right")), len(order) - 1)]])
 
 
-def exceeded(tets: TetMesh, nodal: ArrayLike, volume: float) -> tuple[float, Place]:
+def exceeded(tets: TetMesh, nodal: ArrayLike, volume: float, density: Floats | float = 1.0) -> tuple[float, Place]:
     """The value that more than a volume [mm³] exceeds, and a place in the largest piece of it, near its centre [mm].
 
     It is the smallest value if the part has no more than that volume. `nodal` are the values at its vertices, shape [vertex_count], between
-    which they are linear in each tetrahedron.
+    which they are linear in each tetrahedron; of a tetrahedron as much counts as is solid, `density`, shape [tet_count].
     """
     values = np.sort(np.asarray(nodal, np.float64)[tets.tets], axis=1)
     if not np.isfinite(values).all():
         return float("nan"), (0.0, 0.0, 0.0)
-    volumes = tets.volumes
+    volumes = density * tets.volumes
     low, high = float(values.min()), float(values.max())
     for _ in range(STEPS):
         middle = 0.5 * (low + high)

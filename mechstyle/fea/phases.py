@@ -128,7 +128,8 @@ class Rest:
         H = displacement_gradients(body.mesh, displacement[body.place])[body.tet_order]
         shares = np.broadcast_to(self._scheme.shares, len(body.volumes))[:, None]
         density = energy_density(self._scheme.law, H, flow.astype(np.float64), shares)
-        return displacement, float(body.volumes @ density.mean(axis=1))
+        stiffness = 1.0 if body.relative is None else body.relative.stiffness
+        return displacement, float(body.volumes @ (stiffness * density).mean(axis=1))
 
 
 class Track:

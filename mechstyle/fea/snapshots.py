@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from mechstyle.errors import SimulationFailed
 from mechstyle.fea.backends.cpu import CoreBody
-from mechstyle.fea.discretisation import discretise
+from mechstyle.fea.discretisation import Relative, discretise
 from mechstyle.fea.drop import DropTest, tracks_for
 from mechstyle.fea.elements import element_named
 from mechstyle.fea.explicit import Progress, no_progress
@@ -40,6 +40,7 @@ class Snapshots:
 def snapshots(
     tets: TetMesh, material: Material, test: DropTest = DROP, *,
     normal: tuple[float, float, float] = UP, frames: int = 50, progress: Progress = no_progress, period: float | None = None,
+    relative: Relative | None = None,
 ) -> Snapshots:  # fmt: skip
     """Drop a body, by default as it stands, on the CPU, and keep at most so many moments, at least 4; `progress` may raise to cancel.
 
@@ -50,7 +51,7 @@ def snapshots(
         BadInput: Unusable tetrahedra.
         SimulationFailed: If the drop breaks down, or its lowest period cannot be worked out.
     """
-    discretisation = discretise(tets, material, test.added_mass, element_named(test.element))
+    discretisation = discretise(tets, material, test.added_mass, element_named(test.element), relative)
     film = Film(frames - 1)
     tracks, scheme = tracks_for(discretisation, material, np.array([normal]), test, period)
     follow(CoreBody(discretisation), scheme, tracks, progress, film)

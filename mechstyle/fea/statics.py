@@ -18,7 +18,7 @@ from scipy.sparse import coo_array, csr_array
 from scipy.sparse.csgraph import connected_components
 
 from mechstyle.errors import BadInput, SimulationFailed
-from mechstyle.fea.discretisation import discretise
+from mechstyle.fea.discretisation import Relative, discretise
 from mechstyle.fea.drop import GRAVITY
 from mechstyle.fea.elasticity import displacement_gradients, equivalent_stress, stiffness_matrix, trace
 from mechstyle.fea.elements import ElementMesh, at_vertices, element_named, with_nodes
@@ -278,9 +278,11 @@ class Restraint:
 class _HeldPart:
     """Equations of a part on supports; SimulationFailed if they cannot be factorised."""
 
-    def __init__(self, mesh: ElementMesh, material: Material, restraint: Restraint) -> None:
+    def __init__(self, mesh: ElementMesh, material: Material, restraint: Restraint, relative: Relative | None) -> None:
         self._mesh, self._material, self.restraint = mesh, material, restraint
-        Z, self._stiffness = restraint.basis, stiffness_matrix(mesh, material)
+        self._bears = 1.0 if relative is None else relative.bears
+        Z, factors = restraint.basis, 1.0 if relative is None else relative.stiffness
+        self._stiffness = stiffness_matrix(mesh, material, factors)
         try:
             self.solver = Solver(csr_array(Z.T @ self._stiffness @ Z), csr_array(Z.T @ linear_fields(mesh.connectivity, len(mesh.nodes))))
         except (RuntimeError, MemoryError) as error:
@@ -295,7 +297,7 @@ class _HeldPart:
         displacement = u.reshape(-1, 3)
         reactions = np.where(self.restraint.held[:, None], (self._stiffness @ u).reshape(-1, 3) - load, 0.0)
         stress = stresses(self._material, displacement_gradients(self._mesh, displacement), across)
-        return Response(displacement, stress, load, reactions)
+        return Response(displacement, stress / self._bears, load, reactions)
 
 
 def _refuse_free_motion(nodes: Floats, frames: Floats, fixed: Bools) -> None:
@@ -332,20 +334,23 @@ class StaticTest:
         """Refuse now what needs no solution to be seen: a place that selects nothing, a case that does not hold the part."""
         _ = self._restraints
 
-    def run(self, tets: TetMesh, material: Material, across: Across = (0.0, 0.0, 0.0)) -> dict[str, Response]:
+    def run(
+        self, tets: TetMesh, material: Material, across: Across = (0.0, 0.0, 0.0), relative: Relative | None = None
+    ) -> dict[str, Response]:
         """The elastic response of a morph of the part to every case, by the case's name.
 
-        `across` is that of its printed layers, as for `elasticity.equivalent_stress`.
+        `across` is that of its printed layers, as for `elasticity.equivalent_stress`; `relative` what a morph that is not solid has of the
+        solid's properties.
 
         Raises:
             BadInput: If a place selects nothing, a case does not hold the part, or its loads cancel out at every node.
             SimulationFailed: If the equations cannot be solved.
         """
-        return {name: response for name, response, _ in self._solved(tets, material, across)}
+        return {name: response for name, response, _ in self._solved(tets, material, across, relative)}
 
     def loaded(
         self, tets: TetMesh, material: Material, *, across: Across = (0.0, 0.0, 0.0), tolerance: float, elastic: bool = False,
-        progress: Progress = no_progress,
+        progress: Progress = no_progress, relative: Relative | None = None,
     ) -> dict[str, Loaded]:  # fmt: skip
         """What every case does to a morph of the part, by the case's name.
 
@@ -356,15 +361,16 @@ class StaticTest:
             tolerance: What may stay bent [mm].
             elastic: Whether the material is taken never to yield.
             progress: Called now and then with the fraction done; may raise to cancel.
+            relative: As for `run`.
 
         Raises:
             BadInput: As `run`.
             SimulationFailed: If the equations cannot be solved.
         """
-        body = discretise(tets, material, 0.0, element_named(self.element))
+        body = discretise(tets, material, 0.0, element_named(self.element), relative)
         springback = Springback(body)
         found = dict[str, Loaded]()
-        for number, (name, response, part) in enumerate(self._solved(tets, material, across)):
+        for number, (name, response, part) in enumerate(self._solved(tets, material, across, relative)):
             if elastic:
                 found[name] = _elastically(tets, name, response)
                 continue
@@ -375,22 +381,25 @@ class StaticTest:
             found[name] = _loaded(tets, name, outcome, tolerance)
         return found
 
-    def _solved(self, tets: TetMesh, material: Material, across: Across) -> Iterator[tuple[str, Response, _HeldPart]]:
+    def _solved(
+        self, tets: TetMesh, material: Material, across: Across, relative: Relative | None
+    ) -> Iterator[tuple[str, Response, _HeldPart]]:
         """Every case's name, elastic response and part on its supports; one factorisation per set of supports."""
         boundary = Boundary(with_nodes(tets, element_named(self.element)))
-        loads = {case.name: self._loads(boundary, material, case) for case in self.cases}
-        parts = {supports: _HeldPart(boundary.mesh, material, restraint) for supports, restraint in self._restraints.items()}
+        density = material.density * (1.0 if relative is None else relative.density.mean(axis=1))
+        loads = {case.name: self._loads(boundary, density, case) for case in self.cases}
+        parts = {supports: _HeldPart(boundary.mesh, material, restraint, relative) for supports, restraint in self._restraints.items()}
         for case in self.cases:
             part = parts[case.supports]
             yield case.name, part.response(loads[case.name], across), part
 
-    def _loads(self, boundary: Boundary, material: Material, case: LoadCase) -> Floats:
-        """Nodal loads of a case [N], shape [node_count, 3]."""
+    def _loads(self, boundary: Boundary, density: Floats | float, case: LoadCase) -> Floats:
+        """Nodal loads of a case [N], shape [node_count, 3], on a body of a density [g/mm³], everywhere or of shape [tet_count]."""
         total = np.zeros_like(boundary.mesh.nodes)
         for load in case.loads:
             if load.gravity is not None:
                 down = np.array(load.direction) / np.linalg.norm(load.direction)
-                total = total + weight(boundary.mesh, material.density, load.gravity * GRAVITY * down)
+                total = total + weight(boundary.mesh, density, load.gravity * GRAVITY * down)
                 continue
             assert load.at is not None, "a load case refuses a force or pressure without a place"
             picked = self._picked[load.at]
@@ -471,7 +480,7 @@ def _naming(case: LoadCase) -> Iterator[None]:
         raise BadInput(f"load case {case.name!r}: {error}") from error
 
 
-def weight(mesh: ElementMesh, density: float, acceleration: Floats) -> Floats:
+def weight(mesh: ElementMesh, density: Floats | float, acceleration: Floats) -> Floats:
     """Nodal forces of a body force, f_a = ∫ N_a ρ g dV [N], shape [node_count, 3]; `acceleration` g [mm/ms²] is [3]."""
     shares = np.outer(density * mesh.tets.volumes, BODY_SHARES[mesh.element.name])
     return np.asarray(np.bincount(mesh.connectivity.ravel(), shares.ravel(), len(mesh.nodes))[:, None] * acceleration)

@@ -225,18 +225,21 @@ def changes_of(shown: Bools) -> int:
     return within + sum(not (below & above).any() for below, above in pairwise(shown))
 
 
-def cheaper(paint: Painted) -> list[PrintCost]:
-    """What the part would cost with fewer of its filaments, down to one, leaving out the one that saves most changes each time."""
+def cheaper(paint: Painted, layer: float = LAYER) -> list[PrintCost]:
+    """What the part would cost with fewer of its filaments, in layers of a height [mm].
+
+    Down to one, leaving out the one that saves most changes each time.
+    """
     offers, now = [], paint
     while (used := np.unique(now.filament)).size > 1:
-        now = min((_without(now, int(one)) for one in used), key=lambda other: changes_of(colours_by_layer(other)))
-        offers.append(print_cost(now))
+        now = min((_without(now, int(one)) for one in used), key=lambda other: changes_of(colours_by_layer(other, layer)))
+        offers.append(print_cost(now, layer))
     return offers
 
 
-def banded(paint: Painted) -> PrintCost:
-    """What the part would cost with its filaments in bands one above the other."""
-    return print_cost(in_bands(paint.mesh, paint.palette))
+def banded(paint: Painted, layer: float = LAYER) -> PrintCost:
+    """What the part would cost with its filaments in bands one above the other, in layers of a height [mm]."""
+    return print_cost(in_bands(paint.mesh, paint.palette), layer)
 
 
 def _without(paint: Painted, left_out: int) -> Painted:

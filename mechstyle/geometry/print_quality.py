@@ -31,7 +31,7 @@ class Quality(msgspec.Struct, frozen=True, kw_only=True):
     thin_before: float  # the same of the unstylized surface
     volume: float  # volume of the part [mm³]
     volume_change: float  # volume gained over that of the unstylized part
-    mass: float  # mass of the solid part [g]
+    mass: float  # mass of the part, by the density given [g]
     mass_change: float  # mass gained [g]
 
     @property

@@ -12,6 +12,7 @@ from typing import Any, ClassVar, Literal, get_args
 import msgspec
 
 from mechstyle.errors import BadInput, unknown
+from mechstyle.records.infill import PATTERNS
 from mechstyle.records.landings import POSES, STANDARDS, landings_after
 from mechstyle.records.load_cases import LoadCase
 from mechstyle.records.material import Material
@@ -297,6 +298,48 @@ class Delivery(Chapter, frozen=True, kw_only=True):
     strengthen: float = 0.0
 
 
+class Printed(Chapter, frozen=True, kw_only=True):
+    """How the part is printed inside; solid unless an infill is given.
+
+    Attributes:
+        infill: Share of the inside that the infill fills; 100 % is a solid part, of which walls and layers say nothing.
+        infill_pattern: How the infill runs, one of PATTERNS.
+        walls: Lines of plastic along every outline.
+        top: Solid layers below what looks up.
+        bottom: Solid layers above what looks down.
+        layer_height: Height of a layer [mm].
+        line_width: Width of a line of plastic [mm].
+    """
+
+    CHOICES: ClassVar[Choices] = {"infill_pattern": tuple(PATTERNS)}
+    LIMITS: ClassVar[Limits] = {
+        "infill": (0.0, 1.0), "walls": (0, 100), "top": (0, 1000), "bottom": (0, 1000),
+        "layer_height": (0.02, 2.0), "line_width": (0.05, 3.0),
+    }  # fmt: skip
+
+    infill: float = 1.0
+    infill_pattern: str = "gyroid"
+    walls: int = 3
+    top: int = 5
+    bottom: int = 4
+    layer_height: float = 0.2
+    line_width: float = 0.42
+
+    @property
+    def solid(self) -> bool:
+        """Whether all of the part is plastic."""
+        return self.infill >= 1.0
+
+    @property
+    def words(self) -> str:
+        """Which print is meant, as a verdict says it."""
+        if self.solid:
+            return "solid"
+        walls = f"{self.walls} wall{'' if self.walls == 1 else 's'} of {self.line_width:g} mm"
+        layers = f"{self.top} solid layers of {self.layer_height:g} mm on top and {self.bottom} below"
+        return f"{walls}, {layers}, {f'{100.0 * self.infill:g} % {self.infill_pattern}' if self.infill else 'no infill'}"
+
+
 def check_prompt(prompt: str) -> None:
     """Refuse a prompt that is too long with BadInput, without repeating it."""
     if len(prompt) > LONGEST_PROMPT:
@@ -314,6 +357,7 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
         schedule: How long the style grows, and when it is simulated meanwhile.
         test: What the part must survive, of which material and meshes.
         delivery: What a printer can make of the part.
+        printed: How it is printed inside.
 
     Example:
         >>> ms.Recipe.of(prompt="brick", material=ms.LIBRARY["PLA"], height=1000.0).test.height
@@ -325,6 +369,7 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     schedule: Schedule = Schedule()
     test: StrengthTest
     delivery: Delivery = Delivery()
+    printed: Printed = Printed()
 
     @classmethod
     def of(cls, *, surface: str = "", tetrahedra: str = "", **settings: Any) -> Recipe:

@@ -84,7 +84,14 @@ def head(verdict: Verdict) -> str:
     elif loads:
         asked += f" and the load {loads[0]!r}" if len(loads) == 1 else f" and {len(loads)} loads"
     outcome = "NO WORSE than the plain part in" if verdict.outcome == "NO WORSE" else verdict.outcome
-    return f"{outcome} {asked}: {_at_worst(decides, verdict)}. Solid {verdict.material}."
+    return f"{outcome} {asked}: {_at_worst(decides, verdict)}. {print_meant(verdict)}."
+
+
+def print_meant(verdict: Verdict) -> str:
+    """Material and how the part is printed inside."""
+    if verdict.printed == "solid":
+        return f"Solid {verdict.material}"
+    return f"Printed in {verdict.material}: {verdict.printed}"
 
 
 def _at_worst(row: Row, verdict: Verdict) -> str:

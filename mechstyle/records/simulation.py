@@ -128,6 +128,7 @@ class Simulation:
         grounded: Share of what the surface has on the floor that the tetrahedra have there, too.
         volume_error: Volume of the tetrahedra over that inside the surface, less 1; with or without relief, whichever is further off.
         volume: Volume of the tetrahedra [mm³].
+        plastic_share: Share of it that is plastic, 1 for a solid part.
         mesh: Digest of the tetrahedra as they were made.
         meshing: How the tetrahedra followed the surface: `morphed`, or what else was tried and how it went.
         failure: Why there is no usable answer, "" if there is.
@@ -154,6 +155,7 @@ class Simulation:
     grounded: float = 1.0
     volume_error: float = 0.0
     volume: float = 0.0
+    plastic_share: float = 1.0
     mesh: str = ""
     meshing: str = "morphed"
     failure: str = ""

@@ -145,6 +145,7 @@ class Verdict(msgspec.Struct, frozen=True, kw_only=True):
         material, strength: Name and yield strength [MPa] of the material.
         style: Short name of the style, "" for a part without one.
         contact_stiffness: Of the published rule alone: stiffness of its penalty floor at each node [N/mm], 0 for a rigid floor.
+        printed: How the part is printed inside, in words; "solid" for all of plastic.
         rows: The tests; none where nothing could be tested.
         doubts: Why the outcome is not sure; none if it is.
         failure: Why there is no answer, "" if there is.
@@ -164,6 +165,7 @@ class Verdict(msgspec.Struct, frozen=True, kw_only=True):
     material: str
     style: str = ""
     contact_stiffness: float = 0.0
+    printed: str = "solid"
     rows: tuple[Row, ...] = ()
     doubts: tuple[Doubt, ...] = ()
     failure: str = ""
@@ -229,7 +231,7 @@ def judge(simulation: Simulation, original: Simulation | None, recipe: Recipe) -
     empty = Verdict(
         outcome="UNKNOWN", criterion=test.criterion, fall=test.height, tolerance=test.tolerance, strength=test.material.yield_strength,
         material=test.material.label, style="" if original is None else recipe.style.prompt if named else "styled",
-        contact_stiffness=test.floor, failure=_failure(simulation, original, recipe), measure=MEASURE,
+        contact_stiffness=test.floor, printed=recipe.printed.words, failure=_failure(simulation, original, recipe), measure=MEASURE,
     )  # fmt: skip
     if empty.failure:
         return empty

@@ -57,7 +57,25 @@ def tolerance_of(value: str | float) -> float:
     return tolerance
 
 
-READERS = {"height": length_of, "tolerance": tolerance_of}
+HOW_SHARE = 'write "15 %" or 0.15'
+
+
+def share_of(value: str | float) -> float:
+    """A share of a whole: "15 %", or a number from 0 to 1.
+
+    BadInput if it is none, or a number without "%" above 1, which was most likely meant in per cent.
+    """
+    number, unit = _read(value, "an infill", HOW_SHARE)
+    if unit not in ("", "%"):
+        raise BadInput(f"an infill is a share such as 15 %, not in {unit!r:.40}: {HOW_SHARE}")
+    share = 0.01 * number if unit else number
+    if not 0.0 <= share <= 1.0:
+        meant = f'write "{number:g} %"' if not unit and 1.0 < number <= 100.0 else HOW_SHARE
+        raise BadInput(f"an infill of {f'{number:g} {unit}'.rstrip()} is no share of the inside: {meant}")
+    return share
+
+
+READERS = {"height": length_of, "tolerance": tolerance_of, "infill": share_of}
 """What reads a setting that is written with a unit."""
 
 

@@ -17,6 +17,7 @@ from mechstyle.pictures.fields import Known, known
 from mechstyle.records import Checkpoint, Recipe, Simulation, Verdict, sentences
 from mechstyle.runs.printing import Printing, PrintPlan, wishes_of, write_for_printing
 from mechstyle.simulation.part import Workpiece
+from mechstyle.simulation.printed import plastic_share
 from mechstyle.styling.drawing.colours import finish_of
 
 AS_USUAL = Printing()
@@ -75,7 +76,7 @@ def exported(
     else:
         sheen = sheen_of(recipe) if entry.iteration else DULL
         save(styled, path, name=name, fields={one.quantity.name: one.values.astype(np.float32) for one in known}, sheen=sheen)
-    measured = quality(part.surface, styled, recipe.test.material.density)
+    measured = quality(part.surface, styled, recipe.test.material.density * plastic_share(part.tets, recipe))
     record = Exported(
         file=path.name, lane=lane, iteration=entry.iteration, recipe=entry.recipe, verdict=verdict,
         quality=measured, warnings=(*([untested] if untested else ()), *of_the_test(verdict), *measured.warnings),

@@ -141,7 +141,8 @@ def write_for_printing(
         paint = in_bands(mesh, palette) if printing.bands else painted(mesh, palette)
         content = threemf_bytes(mesh, called, paint=paint, slicer=printing.slicer, filament_type=kind)
     write_file(path, content)
-    cost = print_cost(paint)
-    offers = (*([] if printing.bands else cheaper(paint)), *([] if printing.bands or printing.bodies else [banded(paint)]))
+    layer = recipe.printed.layer_height
+    cost = print_cost(paint, layer)
+    offers = (*([] if printing.bands else cheaper(paint, layer)), *([] if printing.bands or printing.bodies else [banded(paint, layer)]))
     fewer = tuple(offer for offer in offers if offer.changes < cost.changes)
     return PrintPlan(slicer=printing.slicer, palette=palette, merged=paint.merged, cost=cost, offers=fewer)

@@ -15,8 +15,9 @@ from mechstyle.records import SETTINGS, Recipe, written
 from mechstyle.records.landings import with_drops
 from mechstyle.records.load_cases import load_cases
 from mechstyle.records.material import Material, material_named
-from mechstyle.records.recipe import DEFAULTS, TYPES, direction_of
+from mechstyle.records.recipe import DEFAULTS, TYPES, direction_of, settings_of
 from mechstyle.records.regions import regions
+from mechstyle.records.sliced import with_sliced
 from mechstyle.runs.images import digest_of
 from mechstyle.runs.stylizers import name_of, settled
 from mechstyle.simulation.part import Workpiece, fitted
@@ -61,12 +62,13 @@ def draft(prompt: str = "", material: str | Material = "PLA", *, freestyle: bool
         prompt: The style, in words.
         material: A library name, a .toml/.json file, or a Material.
         freestyle: Whether to stylize without feedback.
-        settings: Settings of a recipe that are to differ from the defaults of the criterion chosen.
+        settings: Settings of a recipe that are to differ from the defaults of the criterion chosen; `sliced`, a G-code file, gives those of
+            how the part is printed.
 
     Raises:
         BadInput: If a name is unknown or a value out of range.
     """
-    given = _given({"material": material, **settings})
+    given = _given({"material": material, **with_sliced(settings)})
     paper = given.get("criterion") == "paper"
     presets = {**(PAPER if paper else {}), **(FREESTYLE if freestyle else {})}
     _check_floor(given, "paper" if paper else "robust")
@@ -79,7 +81,7 @@ def draft(prompt: str = "", material: str | Material = "PLA", *, freestyle: bool
 
 def changed(recipe: Recipe, changes: dict[str, Any]) -> Recipe:
     """A recipe with some settings changed; unless given, another criterion brings its presets, another control its normalisation."""
-    given = with_drops(_given(changes))
+    given = with_drops(_given(with_sliced(changes)))
     if given.get("strengthen", recipe.delivery.strengthen) != recipe.delivery.strengthen:
         raise BadInput("a part is strengthened before its style, so a branch cannot do it: start a run of its own with --strengthen")
     if "amplitude" in given:
@@ -129,6 +131,7 @@ def idle(given: Mapping[str, Any], recipe: Recipe) -> tuple[str, ...]:
         "threshold": (masked, "masks: ask for a schedule such as stress"),
         "control": (masked or not recipe.restraint.feedback, "a schedule such as stress"),
         "poses": (recipe.test.orientations > 1, "more than one orientation"),
+        **{name: (not recipe.printed.solid, "an infill below 100 %") for name in settings_of("printed") if name != "infill"},
     }
     return tuple(f"{name} does nothing without {what}" for name, (does, what) in counts.items() if name in given and not does)
 

@@ -13,6 +13,8 @@ import msgspec
 from mechstyle.loop.engine import Engine, Event, SimulationStarted
 from mechstyle.loop.history import SimulationLine, simulations
 from mechstyle.records import Doubt, Landing, LoadResult, Row, Simulation, Verdict
+from mechstyle.simulation.more_walls import shell_words, with_more_walls
+from mechstyle.simulation.simulator import DropSimulator
 
 LITTLE = 0.7
 """Share of the style's relief below which it is said how more of it may be had."""
@@ -100,8 +102,15 @@ def summarise(engine: Engine, *, device: str, notes: tuple[str, ...], seconds: d
         simulations=simulations(history), style_loss=last.style_loss, style_loss_ratio=last.style_loss / start if start else 0.0,
         kept=kept, iterations=last.iteration, meshing=simulation.meshing, carried=simulation.carried,
         level_share=simulation.level_share, backed_off=simulation.backed_off, seconds=seconds,
-        notes=(*notes, little) if little else notes, lane=engine.lane, recipe=engine.recipe.digest, device=device, files=files,
+        notes=(*notes, *filter(None, (little, *_of_the_print(engine, simulation, verdict)))), lane=engine.lane,
+        recipe=engine.recipe.digest, device=device, files=files,
     )  # fmt: skip
+
+
+def _of_the_print(engine: Engine, simulation: Simulation, verdict: Verdict) -> tuple[str, ...]:
+    """What style and print have to do with each other, in sentences; "" for nothing."""
+    simulator, words = engine.simulator, shell_words(engine.surface.displaced(simulation.displacement), engine.recipe)
+    return words, with_more_walls(simulator, simulation, verdict) if isinstance(simulator, DropSimulator) else ""
 
 
 @dataclass(eq=False)

@@ -17,6 +17,7 @@ from mechstyle.records import Recipe, Simulation
 from mechstyle.records.mesh import Floats, SurfaceMesh
 from mechstyle.records.regions import Point
 from mechstyle.simulation.physics import PHYSICS_VERSION, memo_key, physics, prescribed
+from mechstyle.simulation.printed import printed_body
 from mechstyle.simulation.simulator import DropSimulator
 
 
@@ -125,8 +126,9 @@ def impact_of(simulator: DropSimulator, simulation: Simulation, landing: str = F
         return known
     (body, morphed), recipe = simulator.morphed(simulation), simulator.recipe
     seen = snapshots(
-        morphed.tets, recipe.test.material, prescribed(recipe), normal=landed.normal, progress=progress, period=simulator.period
-    )
+        morphed.tets, recipe.test.material, prescribed(recipe), normal=landed.normal, progress=progress, period=simulator.period,
+        relative=printed_body(morphed.tets, recipe),
+    )  # fmt: skip
     moved = [body.displacement_at_surface(frame) for frame in seen.displacement]
     stress = np.stack([body.field_at_surface(at_vertices(morphed.tets, points)) for points in seen.von_mises])
     whole = simulation.stress_of(landing=landing)

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 import msgspec
 import numpy as np
 from scipy.spatial import cKDTree
 
 from mechstyle._files import write_whole
-from mechstyle.errors import BadInput, SimulationFailed
+from mechstyle.errors import BadInput, SimulationFailed, unknown
 from mechstyle.fea.drop import History, resolve_device
 from mechstyle.fea.explicit import Progress, no_progress
 from mechstyle.geometry.proximity import TriangleTree
@@ -24,11 +25,14 @@ from mechstyle.records.landings import with_drops
 from mechstyle.records.load_cases import LoadCase, load_cases
 from mechstyle.records.material import Material, material_named
 from mechstyle.records.mesh import STANDARD_VERTICES, Field, SurfaceMesh, TetMesh
-from mechstyle.records.recipe import DEFAULTS, direction_of
-from mechstyle.records.written import length_of, tolerance_of
+from mechstyle.records.recipe import CHAPTER_OF, DEFAULTS, direction_of, settings_of
+from mechstyle.records.sliced import with_sliced
+from mechstyle.records.written import READERS, length_of, tolerance_of
 from mechstyle.simulation.drop_history import Course, history_picture, vtu_bytes, vtu_path
 from mechstyle.simulation.impact import Impact, impact_of
+from mechstyle.simulation.more_walls import with_more_walls
 from mechstyle.simulation.part import Shape, Stage, Workpiece, cached_memo, fitted, prepare, standardised
+from mechstyle.simulation.printed import plastic_share
 from mechstyle.simulation.simulator import DropSimulator
 
 ROUNDS = 20
@@ -55,6 +59,7 @@ class PartTest:
         simulation: What was measured.
         verdict: What it means.
         warning: Which walls are thinner than the printer's thinnest; "" for nothing.
+        advice: How many more walls make a print hold that fails, as tested; "" for nothing.
         tets: The tetrahedra that were dropped.
         history: Energies, contact force and largest stress of the drop as placed over time.
         impact: The drop as placed, moment by moment, and the shape that it leaves; None for one that failed.
@@ -79,6 +84,7 @@ class PartTest:
     impact: Impact | None
     fit: Fit
     original: Simulation | None = None
+    advice: str = ""
 
     @property
     def part(self) -> Workpiece:
@@ -94,6 +100,12 @@ class PartTest:
     def surface(self) -> SurfaceMesh:
         """Surface that was dropped."""
         return self.part.surface.displaced(self.relief) if self.relief.any() else self.part.surface
+
+    @property
+    def mass(self) -> float:
+        """Mass of the part as printed [g]."""
+        share = plastic_share(self.tets, self.recipe)
+        return float(self.recipe.test.material.density * self.surface.volume * share)
 
     @cached_property
     def course(self) -> Course | None:
@@ -138,27 +150,14 @@ class PartTest:
 
 
 def simulate(
-    mesh: SurfaceMesh,
-    *,
-    original: SurfaceMesh | None = None,
-    material: str | Material = "PLA",
-    orientations: int | None = None,
-    poses: str | None = None,
-    nearly_flat: bool = DEFAULTS["nearly_flat"],
-    height: float | str | None = None,
-    standard: str = DEFAULTS["standard"],
-    criterion: str = DEFAULTS["criterion"],
-    tolerance: float | str = DEFAULTS["tolerance"],
-    loads: str | Path | LoadCase | Sequence[LoadCase] = (),
-    minimum_wall: float = DEFAULTS["minimum_wall"],
-    build_direction: str | Sequence[float] | None = None,
-    window: float | None = DEFAULTS["window"],
-    vertices: int = STANDARD_VERTICES,
-    device: str = "auto",
-    stage: Stage = no_progress,
-    progress: Progress = no_progress,
-    measured: Callable[[Shape], None] = no_progress,
-) -> PartTest:
+    mesh: SurfaceMesh, *, original: SurfaceMesh | None = None, material: str | Material = "PLA",
+    orientations: int | None = None, poses: str | None = None, nearly_flat: bool = DEFAULTS["nearly_flat"],
+    height: float | str | None = None, standard: str = DEFAULTS["standard"], criterion: str = DEFAULTS["criterion"],
+    tolerance: float | str = DEFAULTS["tolerance"], loads: str | Path | LoadCase | Sequence[LoadCase] = (),
+    minimum_wall: float = DEFAULTS["minimum_wall"], build_direction: str | Sequence[float] | None = None,
+    window: float | None = DEFAULTS["window"], vertices: int = STANDARD_VERTICES, device: str = "auto",
+    stage: Stage = no_progress, progress: Progress = no_progress, measured: Callable[[Shape], None] = no_progress, **printed: Any,
+) -> PartTest:  # fmt: skip
     """Drop a part as it is.
 
     Args:
@@ -181,6 +180,7 @@ def simulate(
         stage: Called with what is being prepared, in words.
         progress: Called with the fraction of the drop done; may raise to cancel.
         measured: Called with the part's surface and walls, before the minutes that meshing and drop may take.
+        printed: How it is printed inside, settings of a recipe such as walls=3 and infill="15 %", or sliced="part.gcode"; solid by default.
 
     Raises:
         BadInput: If the part or a setting cannot be used, in one sentence.
@@ -194,9 +194,18 @@ def simulate(
     wanted = Recipe.of(
         prompt="", material=chosen, criterion=criterion, loads=load_cases(loads), minimum_wall=minimum_wall, window=window,
         tolerance=tolerance_of(tolerance), nearly_flat=nearly_flat, build_direction=None if build_direction is None else
-        direction_of(build_direction), **with_drops({name: value for name, value in asked.items() if value is not None}),
+        direction_of(build_direction), **inside_of(printed),
+        **with_drops({name: value for name, value in asked.items() if value is not None}),
     )  # fmt: skip
     return _tested(mesh, *_prepared(mesh, original, vertices, stage, measured), wanted, where, stage, progress)
+
+
+def inside_of(printed: Mapping[str, Any]) -> dict[str, Any]:
+    """Settings of how a part is printed, read; BadInput for any other setting."""
+    for name in (found := with_sliced(printed)):
+        if CHAPTER_OF.get(name) != "printed":
+            raise unknown("setting", name, settings_of("printed"))
+    return {name: READERS[name](value) if name in READERS else value for name, value in found.items() if value is not None}
 
 
 def _prepared(
@@ -229,7 +238,8 @@ def _tested(
     thin = walls.warnings(part.surface, part.thickness, displacement, wanted.delivery.minimum_wall)
     tets, history = simulator.morphed(simulation)[1].tets, simulator.history(simulation)
     warning = " ".join(f"{sentence}." for sentence in thin)
-    return PartTest(simulator, displacement, simulation, verdict, warning, tets, history, impact, fit_of(tets, given), original)
+    advice = with_more_walls(simulator, simulation, verdict)
+    return PartTest(simulator, displacement, simulation, verdict, warning, tets, history, impact, fit_of(tets, given), original, advice)
 
 
 class Fit(msgspec.Struct, frozen=True, kw_only=True):

@@ -18,6 +18,7 @@ from mechstyle.fea.orientations import Orientations, landings
 from mechstyle.loop.objects import Memos
 from mechstyle.records import Recipe
 from mechstyle.records.mesh import SurfaceMesh, TetMesh
+from mechstyle.simulation.printed import printed_body
 
 PHYSICS_VERSION = 22
 """Counts changes that alter results, so that remembered simulations of older code are not reused."""
@@ -44,7 +45,8 @@ def landings_of(surface: SurfaceMesh, recipe: Recipe) -> Orientations:
 def physics(recipe: Recipe) -> tuple[Any, ...]:
     """What decides the drop of a displaced part as placed and the stress it leaves on the surface."""
     test = recipe.test
-    return test.specimen, test.material, prescribed(recipe), test.transfer
+    inside = () if recipe.printed.solid else (recipe.printed, test.build_direction)
+    return test.specimen, test.material, prescribed(recipe), test.transfer, *inside
 
 
 def memo_key(inputs: tuple[Any, ...], displacement: NDArray[np.float32]) -> str:
@@ -65,9 +67,11 @@ def period_of(tets: Callable[[], TetMesh], recipe: Recipe, memos: Memos) -> floa
     if recipe.test.window is not None:
         return None
     surface, material, element = recipe.test.specimen.surface, recipe.test.material, recipe.test.element
-    key = memo_key(("period", PHYSICS_VERSION, surface, material, element), np.empty(0, np.float32))
+    inside = () if recipe.printed.solid else (recipe.printed, recipe.test.build_direction)
+    key = memo_key(("period", PHYSICS_VERSION, surface, material, element, *inside), np.empty(0, np.float32))
     period = memos.recall(key, float)
     if period is None:  # with the mass of any test: what is remembered must not depend on who asked first
-        period = lowest_period(discretise(tets(), material, DropTest.added_mass, element_named(element)))
+        body = tets()
+        period = lowest_period(discretise(body, material, DropTest.added_mass, element_named(element), printed_body(body, recipe)))
         memos.remember(key, period)
     return period

@@ -30,6 +30,7 @@ from mechstyle.records.simulation import Place, place_in_words
 from mechstyle.simulation.meshes import MORPHED, Body, Meshes
 from mechstyle.simulation.part import Workpiece
 from mechstyle.simulation.physics import PHYSICS_VERSION, landings_of, memo_key, period_of, physics, prescribed
+from mechstyle.simulation.printed import plastic_share, printed_body
 
 STEERING = 2
 """Nearly flat landings that are dropped while a relief grows: those after which most of the original stays bent."""
@@ -156,7 +157,7 @@ class DropSimulator:
         found = Simulation(
             displacement=morphed.displacement, contact=landed[0].contact, backed_off=morphed.backed_off, deviation=morphed.deviation,
             carried=fit.whole, thicker=fit.thicker, grounded=fit.grounded, volume_error=fit.volume,
-            volume=float(morphed.tets.volumes.sum()),
+            volume=float(morphed.tets.volumes.sum()), plastic_share=plastic_share(morphed.tets, self.recipe),
             mesh=body.tets.digest, level_share=body.shape.level_base.share(morphed.displacement), meshing=meshing,
             time_step=landed[0].time_step, steps=max(one.steps for one in landed), added_mass=landed[0].added_mass,
             failure=failure or loads.failure,
@@ -202,7 +203,10 @@ class DropSimulator:
     def dropped(self, tets: TetMesh, numbers: Sequence[int]) -> Drop:
         """A drop of tetrahedra in the landings of these numbers, in full."""
         normals, test = self.landings.normals[list(numbers)], prescribed(self.recipe)
-        return drop(tets, self.recipe.test.material, normals, test, device=self.device, progress=self.progress, period=self.period)
+        return drop(
+            tets, self.recipe.test.material, normals, test, device=self.device, progress=self.progress, period=self.period,
+            relative=printed_body(tets, self.recipe),
+        )  # fmt: skip
 
     def _brought(self, body: Body, morphed: Morphed, result: Drop, index: int, number: int) -> Landed:
         """One landing of a drop in figures, and its fields at the surface; none, with the reason, where the drop failed."""
@@ -218,7 +222,9 @@ class DropSimulator:
         permanent_set = plastic_strain = 0.0
         stress = body.field_at_surface(at_vertices(tets, result.von_mises[index]))
         if test.criterion != "paper":
-            permanent_set, place, plastic_strain = measured(tets, result.permanent[index], result.tension_strain[index])
+            relative = printed_body(tets, self.recipe)
+            density = 1.0 if relative is None else relative.density
+            permanent_set, place, plastic_strain = measured(tets, result.permanent[index], result.tension_strain[index], density)
             strain = body.field_at_surface(at_vertices(tets, result.plastic_strain[index]))
             stress = flow_stress(stress, strain, test.material)
             landed = replace(landed, strain=strain, bend=body.displacement_at_surface(result.permanent[index]))
@@ -253,8 +259,9 @@ class DropSimulator:
         test, elastic = self.recipe.test, self.recipe.test.criterion == "paper"
         try:
             cases = static.loaded(
-                tets, test.material, across=test.across_layers, tolerance=test.tolerance, elastic=elastic, progress=self.progress
-            ).values()
+                tets, test.material, across=test.across_layers, tolerance=test.tolerance, elastic=elastic, progress=self.progress,
+                relative=printed_body(tets, self.recipe),
+            ).values()  # fmt: skip
         except SimulationFailed as error:
             return UnderLoads(failure=str(error))
 

@@ -28,12 +28,13 @@ STYLED = (
 )
 READ = "--body --scale --size --unit --up"
 RESTRAINED = "--base --control --every --normalisation --schedule --threshold"
+PRINTED = "--bottom --infill --infill-pattern --layer-height --line-width --sliced --top --walls"
 NAMES = {
     "": "--version",
-    "run": f"model --details --help-all --out --quick --strengthen {READ} --vertices {STYLED} {RESTRAINED}",
-    "freestyle": f"model --details --help-all --out --quick --strengthen {READ} --vertices {STYLED}",
-    "branch": f"address --details --lane {STYLED} {RESTRAINED}",
-    "simulate": f"model --build-direction {READ} "
+    "run": f"model --details --help-all --out --quick --strengthen {READ} --vertices {STYLED} {RESTRAINED} {PRINTED}",
+    "freestyle": f"model --details --help-all --out --quick --strengthen {READ} --vertices {STYLED} {PRINTED}",
+    "branch": f"address --details --lane {STYLED} {RESTRAINED} {PRINTED}",
+    "simulate": f"model --build-direction {READ} {PRINTED} "
     "--criterion --details --device --json --load --material -m --minimum-wall --orientations --original --out --poses --standard "
     "--height --nearly-flat --no-nearly-flat --tolerance --vertices --vtu --window",
     "demo": "--device --height --json --model --out --prompt --tolerance --vertices -p",

@@ -149,8 +149,8 @@ def test_an_unknown_name_gets_the_nearest_known_one():
             recipe(**{field: meant + "x"})
 
 
-def test_a_recipe_has_five_chapters_and_every_setting_is_in_exactly_one():
-    assert Recipe.__struct_fields__ == ("style", "restraint", "schedule", "test", "delivery")
+def test_a_recipe_has_six_chapters_and_every_setting_is_in_exactly_one():
+    assert Recipe.__struct_fields__ == ("style", "restraint", "schedule", "test", "delivery", "printed")
     written = json.loads(msgspec.json.encode(recipe()))
     specimen = written["test"].pop("specimen")
     assert specimen == {"surface": "5" * 64, "tetrahedra": "7" * 64}

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from mechstyle.records import Doubt, Outcome, sentences
 from mechstyle.records.sentences import COLUMNS, EXPLANATION, MEANINGS, NOT_SURE, allowed, bend, doubt, found, head, label, note, short
-from support.records import TOLERANCE, UNKNOWN, load_row, published_row, row, verdict
+from support.records import TOLERANCE, UNKNOWN, VERDICT, load_row, published_row, recipe, row, verdict
 
 CORNER = "tilted 3° onto the left front corner"
 FLAT = row(0.06, plain_permanent_set=0.05)
@@ -278,3 +278,13 @@ def test_how_it_is_judged_is_five_short_sentences_and_every_outcome_has_a_meanin
     assert set(MEANINGS) == set(get_args(Outcome))
     for words in (*EXPLANATION, *MEANINGS.values()):
         assert len(words.split()) <= 30
+
+
+def test_a_verdict_names_the_print_that_is_meant():
+    assert VERDICT.head.endswith(". Solid PLA.")
+    printed = recipe(infill=0.15, walls=1).printed.words
+    assert verdict(printed=printed).head.endswith(
+        ". Printed in PLA: 1 wall of 0.42 mm, 5 solid layers of 0.2 mm on top and 4 below, 15 % gyroid."
+    )
+    assert "no infill" in recipe(infill=0.0).printed.words
+    assert recipe(walls=1, top=0).printed.words == "solid"

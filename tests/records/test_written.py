@@ -1,13 +1,14 @@
 """Heights of fall and tolerances: what is read, what is asked about, and what is refused."""
 
 import math
+import re
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from mechstyle.errors import BadInput
-from mechstyle.records.written import LEAST_BARE, length_of, tolerance_of, written
+from mechstyle.records.written import LEAST_BARE, length_of, share_of, tolerance_of, written
 
 
 @pytest.mark.parametrize(
@@ -136,3 +137,22 @@ def test_what_is_no_tolerance_is_refused_in_one_sentence(value, said):
     with pytest.raises(BadInput) as caught:
         tolerance_of(value)
     assert str(caught.value) == f'{said}: write "0.2 mm" or "200 µm"'
+
+
+@pytest.mark.parametrize(
+    ("text", "share"), [("15 %", 0.15), ("15%", 0.15), ("0.15", 0.15), (0.15, 0.15), (1.0, 1.0), ("100 %", 1.0), ("0 %", 0.0)]
+)
+def test_an_infill_is_a_share(text, share):
+    assert share_of(text) == pytest.approx(share)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("15", 'write "15 %"'), (40, 'write "40 %"'), ("120 %", 'write "15 %" or 0.15'), ("-5 %", 'write "15 %" or 0.15'),
+        ("15 mm", "an infill is a share such as 15 %, not in 'mm'"), ("much", "cannot read 'much' as an infill"),
+    ],
+)  # fmt: skip
+def test_what_is_no_infill_is_refused_with_what_was_meant(text, said):
+    with pytest.raises(BadInput, match=re.escape(said)):
+        share_of(text)

@@ -11,7 +11,7 @@ import msgspec
 
 from mechstyle._warp import wp
 from mechstyle.fea.explicit import cores
-from validation import impacts, statics, yielding
+from validation import impacts, infill, statics, yielding
 from validation.cases import Case, Result
 
 CASES = {
@@ -39,6 +39,9 @@ CASES = {
         Case("collapse", "Loads that a cantilever and a strut carry: plastic hinge and Euler", yielding.collapse),
         Case("groove", "A grooved bar in CalculiX with plasticity", yielding.groove, slow=True),
         Case("neck", "A neck in CalculiX with plasticity", yielding.neck, slow=True),
+        Case("infill_bars", "Solid skins and walls around infill: beam theory and the rule of mixtures", infill.bars),
+        Case("infill_cell", "The cell of a gyroid, voxel by voxel", infill.cell, slow=True),
+        Case("infill", "Parts with walls and infill meshed line by line, and the same smeared out", infill.grids, slow=True),
         Case("energy", "Energy balance of undamped drops", impacts.energy),
         Case("precision", "Single against double precision over an impact", impacts.precision),
         Case("instructions", "Another processor's instructions against this one's", impacts.instructions),

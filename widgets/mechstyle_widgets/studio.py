@@ -42,6 +42,7 @@ from mechstyle_widgets.settings.control import ControlSelector
 from mechstyle_widgets.settings.drop import SIZES, DropOptions
 from mechstyle_widgets.settings.material import MaterialPicker
 from mechstyle_widgets.settings.part import PartPicker
+from mechstyle_widgets.settings.printed import PrintedPicker
 from mechstyle_widgets.settings.prompt import PromptBox
 from mechstyle_widgets.settings.regions import RegionsPicker, covered, paintable
 from mechstyle_widgets.settings.schedule import ScheduleSelector
@@ -55,12 +56,12 @@ from mechstyle_widgets.viewer.run_viewer import RunViewer
 from mechstyle_widgets.viewer.viewer import PartViewer, Viewer
 
 SIZE = (640, 430)  # width and height of the view until the page says how much room there is [pixels]
-TITLES = ("Part", "Style", "Material", "Holding back", "When to test", "Keep plain", "Drop test")
+TITLES = ("Part", "Style", "Material", "How it is printed", "Holding back", "When to test", "Keep plain", "Drop test")
 OPEN = ("Part", "Style")
 """Groups of settings that are open at first: what decides the look."""
 ASKED = 2
 """The tab that tells what is known of the place that was clicked."""
-SECTIONS = (PromptBox, MaterialPicker, ControlSelector, ScheduleSelector, RegionsPicker, DropOptions)
+SECTIONS = (PromptBox, MaterialPicker, PrintedPicker, ControlSelector, ScheduleSelector, RegionsPicker, DropOptions)
 SHOWN = {field for section in SECTIONS for field in section.FIELDS}
 OF_A_PART = ("relief", "amplitude", "side", "feature", "image_size", "protect", "loads", "minimum_wall", "strengthen")
 """Fields of a recipe that are meant for one part: lengths on it and places of it."""
@@ -227,12 +228,13 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self.part_picker = PartPicker(str(part) if isinstance(part, Path) else part, scale=scale, name=name)
         self.prompt_box = PromptBox(given.pop("prompt", "brick"))
         self.material_picker = MaterialPicker(given.pop("material", "PLA"))
+        self.printed_picker = PrintedPicker()
         self.control_selector = ControlSelector(self.material_picker.material)
         self.schedule_selector = ScheduleSelector()
         self.regions_picker = RegionsPicker()
         self.drop_options = DropOptions()
-        self._sections = [self.prompt_box, self.material_picker, self.control_selector, self.schedule_selector, self.regions_picker,
-                          self.drop_options]  # fmt: skip
+        self._sections = [self.prompt_box, self.material_picker, self.printed_picker, self.control_selector, self.schedule_selector,
+                          self.regions_picker, self.drop_options]  # fmt: skip
         self._owners = {name: section for section in self._sections for name in (*section.FIELDS, *section.OWN)}
         traitlets.link((self.material_picker, "material"), (self.control_selector, "material"))
         traitlets.link((self.material_picker, "price"), (self.state, "price"))

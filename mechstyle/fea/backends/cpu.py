@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from mechstyle.fea.backends import simd_by_element
 from mechstyle.fea.backends.simd_by_element import LaneBody, LaneScheme, LaneState
 from mechstyle.fea.discretisation import Discretisation
 from mechstyle.fea.elasticity import ElasticLaw
-from mechstyle.fea.explicit import ELASTIC, QUANTITIES, RECORD_EVERY, STATE, Scheme, Starts, law_number
+from mechstyle.fea.explicit import ELASTIC, QUANTITIES, RECORD_EVERY, STATE, Scheme, Starts, law_number, limits
 from mechstyle.records.mesh import Floats
 
 
@@ -27,7 +28,8 @@ class CoreBody:
         padded = (np.pad(table, ((0, -self.tet_count % lanes), (0, 0))) for table in (body.connectivity, geometry))
         nodes_of, in_blocks = (np.ascontiguousarray(each.reshape(-1, lanes, each.shape[1]).transpose(0, 2, 1)) for each in padded)
         self.lanes = LaneBody()
-        self.lanes.nodes, self.lanes.blocks = nodes, len(nodes_of)
+        self.lanes.nodes, self.lanes.blocks, self.lanes.cellular = nodes, len(nodes_of), int(body.relative is not None)
+        self.relative = body.relative
         self.lanes.nodes_of, self.lanes.geometry = _cpu(nodes_of.astype(np.int32).ravel()), _cpu(in_blocks.ravel())
         self.lanes.masses, self.lanes.arms = _cpu(body.masses.astype(np.float32)), _cpu(_rows(body.arms))
         wp.load_module(simd_by_element, device="cpu")
@@ -42,6 +44,7 @@ class CoreBody:
         state.peak_squared = _zeros(self.points * simd_by_element.LANES * self.lanes.blocks)
         scheme = LaneScheme()
         scheme.law, scheme.mu, scheme.la, scheme.damping = law_number(law), law.mu, law.la, self.of_tets(damping)
+        scheme.limits = self.limits(math.inf, 0.0)
         wp.launch(simd_by_element.forces_only, dim=1, inputs=[self.lanes, state, scheme, 0], device="cpu")
         return state.forces.numpy().reshape(-1, 4)[:, :3].astype(np.float64)
 
@@ -49,6 +52,15 @@ class CoreBody:
         """A number of each tetrahedron, those of the last block that fill it up included."""
         each = np.broadcast_to(np.float32(values), self.tet_count)
         return _cpu(np.pad(each, (0, -self.tet_count % simd_by_element.LANES)))
+
+    def limits(self, strength: float, hardening: float) -> Any:
+        """The `explicit.limits` of each Gauss point and its factor on stiffness, as they lie in blocks; nothing for a solid body."""
+        if self.relative is None:
+            return _zeros(0)
+        of = np.concatenate([limits(strength, hardening, self.relative), self.relative.stiffness[..., None]], axis=-1)
+        padded = np.pad(of, ((0, -self.tet_count % simd_by_element.LANES), (0, 0), (0, 0)), mode="edge")
+        blocks = padded.reshape(-1, simd_by_element.LANES, *padded.shape[1:]).transpose(0, 2, 3, 1)
+        return _cpu(np.ascontiguousarray(blocks, dtype=np.float32).ravel())
 
     def batches(self, scheme: Scheme, starts: Starts) -> list[CoreDrop]:
         """One orientation per job."""
@@ -176,7 +188,7 @@ def _step(scheme: Scheme, normals: Floats, body: CoreBody) -> Any:
     step.yield_strength = min(scheme.yield_strength, ELASTIC)
     step.damping, step.shares = body.of_tets(scheme.damping), body.of_tets(scheme.shares)
     step.time_step, step.gravity, step.friction = scheme.time_step, scheme.gravity, scheme.friction
-    step.contact_stiffness = scheme.contact_stiffness
+    step.contact_stiffness, step.limits = scheme.contact_stiffness, body.limits(scheme.yield_strength, scheme.hardening)
     step.normals, step.across = _cpu(normals.astype(np.float32).ravel()), wp.vec3f(*scheme.across)
     return step
 

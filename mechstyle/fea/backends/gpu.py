@@ -5,6 +5,7 @@ The same code runs on any device Warp knows; that is how it is tested where ther
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,7 @@ from mechstyle._warp import wp
 from mechstyle.fea.backends import kernels, sampling_kernels
 from mechstyle.fea.discretisation import Discretisation
 from mechstyle.fea.elasticity import ElasticLaw
-from mechstyle.fea.explicit import ELASTIC, QUANTITIES, RECORD_EVERY, STATE, Scheme, Starts, law_number
+from mechstyle.fea.explicit import QUANTITIES, RECORD_EVERY, STATE, Scheme, Starts, law_number, limits
 from mechstyle.records.mesh import Floats
 
 BLOCK = 64
@@ -32,7 +33,8 @@ class DeviceBody:
         self.masses, self.arms = self.array(body.masses, float), self.array(body.arms, wp.vec3f)
         numbers = (body.connectivity, body.slots, body.first_slot)
         nodes, self.slots, self.first_slot = (wp.array(values, dtype=int, device=device) for values in numbers)
-        self.elements = [nodes, self.array(body.gradients, wp.mat33f), self.array(body.volumes, float)]
+        self.elements = [nodes, self.array(body.gradients, wp.mat33f), self.array(body.point_volumes, float)]
+        self.relative = body.relative
         for module in (kernels, sampling_kernels):
             wp.load_module(module, device=device)
 
@@ -61,7 +63,7 @@ class DeviceBody:
         ahead = (self.of_tets(damping), *(self.array(field[:, None], wp.vec3f) for field in fields))
         total = self.zeros(self.node_count, 1, dtype=wp.vec3f)
         forces, peak = self.forces_and_peak(1)
-        constants = (law_number(law), law.mu, law.la, wp.vec3f(), ELASTIC, 0.0)
+        constants = (law_number(law), law.mu, law.la, wp.vec3f(), self.limits(math.inf, 0.0))
         outcome = (0, forces, self.zeros(0), self.zeros(0, 0, 0, 0), peak)
         self.launch(self.element_forces, (self.tet_count, 1), *self.elements, self.slots, *ahead, *constants, *outcome)
         self.launch(kernels.gather_forces, (self.node_count, 1), forces, self.first_slot, total)
@@ -70,6 +72,11 @@ class DeviceBody:
     def of_tets(self, values: Floats | float) -> Any:
         """A number of each tetrahedron."""
         return self.array(np.broadcast_to(values, self.tet_count), float)
+
+    def limits(self, strength: float, hardening: float) -> Any:
+        """The `explicit.limits` of each Gauss point."""
+        shape = (self.tet_count, self.element.points, 3)
+        return self.array(np.broadcast_to(limits(strength, hardening, self.relative), shape), wp.vec3f)
 
     def batches(self, scheme: Scheme, starts: Starts) -> list[DeviceBatch]:
         """All orientations together."""
@@ -94,7 +101,7 @@ class _OnDevice:
         each_node = (body.node_count, self.count)
         self.normals, self.heights = body.array(starts.normals, wp.vec3f), body.array(starts.heights.T, float)
         self.u, self.v = (body.array(np.swapaxes(field, 0, 1), wp.vec3f) for field in (starts.displacements, starts.velocities))
-        self.damping = body.of_tets(scheme.damping)
+        self.damping, self.limits = body.of_tets(scheme.damping), body.limits(scheme.yield_strength, scheme.hardening)
         self.by_slot, self.peak_squared = body.forces_and_peak(self.count)
         self.shares, self.flowed = body.of_tets(scheme.shares), self._flowed(starts.plastic)
         self.impulse, self.contact_loss = body.zeros(*each_node), body.zeros(*each_node)
@@ -108,7 +115,7 @@ class _OnDevice:
     def constants(self) -> tuple[Any, ...]:
         """Of the material, as the kernels take them."""
         scheme, law = self.scheme, self.scheme.law
-        return scheme.law_number, law.mu, law.la, wp.vec3f(*scheme.across), min(scheme.yield_strength, ELASTIC), scheme.hardening
+        return scheme.law_number, law.mu, law.la, wp.vec3f(*scheme.across), self.limits
 
     def history(self, first: int, last: int) -> Floats:
         """Samples from one to another, waiting until they are there, shape [samples, QUANTITIES, orientations]."""

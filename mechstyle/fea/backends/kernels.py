@@ -91,7 +91,7 @@ def corner_forces(P: wp.mat33f, G: wp.mat33f, volume: float):
 def linear_forces(
     nodes: wp.array2d(dtype=int),
     gradients: wp.array(dtype=wp.mat33f),
-    volumes: wp.array(dtype=float),
+    volumes: wp.array2d(dtype=float),
     slots: wp.array2d(dtype=int),
     damping: wp.array(dtype=float),
     u: wp.array2d(dtype=wp.vec3f),
@@ -100,8 +100,7 @@ def linear_forces(
     mu: float,
     la: float,
     across: wp.vec3f,
-    strength: float,
-    hardening: float,
+    limits: wp.array2d(dtype=wp.vec3f),
     record: int,
     forces: wp.array2d(dtype=wp.vec3f),
     shares: wp.array(dtype=float),
@@ -115,8 +114,8 @@ def linear_forces(
     e, b = wp.tid()
     G = gradients[e]
     H = linear_gradient(u, nodes, G, e, b) + damping[e] * linear_gradient(v, nodes, G, e, b)
-    P = stress_at(H, law, mu, la, across, strength, hardening, record, e, 0, b, shares, plastic, peak_squared)
-    g = corner_forces(P, G, volumes[e])
+    P = stress_at(H, law, mu, la, across, limits[e, 0], record, e, 0, b, shares, plastic, peak_squared)
+    g = corner_forces(P, G, volumes[e, 0])
     for a in range(4):
         forces[slots[e, a], b] = g[a]
 
@@ -125,7 +124,7 @@ def linear_forces(
 def quadratic_forces(
     nodes: wp.array2d(dtype=int),
     gradients: wp.array(dtype=wp.mat33f),
-    volumes: wp.array(dtype=float),
+    volumes: wp.array2d(dtype=float),
     slots: wp.array2d(dtype=int),
     damping: wp.array(dtype=float),
     u: wp.array2d(dtype=wp.vec3f),
@@ -134,8 +133,7 @@ def quadratic_forces(
     mu: float,
     la: float,
     across: wp.vec3f,
-    strength: float,
-    hardening: float,
+    limits: wp.array2d(dtype=wp.vec3f),
     record: int,
     forces: wp.array2d(dtype=wp.vec3f),
     shares: wp.array(dtype=float),
@@ -151,8 +149,8 @@ def quadratic_forces(
     f = Nodes10()
     for q in range(4):
         H = quadratic_gradient(common, x, G, q)
-        P = stress_at(H, law, mu, la, across, strength, hardening, record, e, q, b, shares, plastic, peak_squared)
-        g = corner_forces(P, G, 0.25 * volumes[e])
+        P = stress_at(H, law, mu, la, across, limits[e, q], record, e, q, b, shares, plastic, peak_squared)
+        g = corner_forces(P, G, volumes[e, q])
         total += g
         for i in range(4):
             f[BETWEEN[i, q]] += g[i]

@@ -6,6 +6,8 @@ large terms that cancel: small strains are as exact in float32 as in the elastic
 μ' = μ (3 + q)/(4 + q) the deviator of Kirchhoff stress is μ' s, which is returned radially to the yield surface of radius σ_y + h ε_p.
 Flow keeps volume: det b_e = J² gives the new trace. The plastic strain is the one whose work σ_vM dε_p is what flow takes from the elastic
 energy: along s it is √(2/3) |Δs| / (2 m) times 1 − tr s³ / (m s:s), tr s³ = 3 det s, in uniaxial tension the true plastic strain.
+
+`limits` of a point are those of `explicit.limits`.
 """
 
 # ruff: noqa: UP018 - float(0.0) declares a Warp variable that changes in a loop, 0.0 a constant
@@ -198,8 +200,7 @@ def elastic_plastic(
     mu_new: float,
     la_new: float,
     across: wp.vec3f,
-    strength: float,
-    hardening: float,
+    limits: wp.vec3f,
     record: int,
     e: int,
     q: int,
@@ -213,7 +214,7 @@ def elastic_plastic(
     Layers that bear less than the solid flow as it does, by a deviator that shrinks as much as they ask for: on the safe side, as pressure
     and pull are left as they are.
     """
-    strain = plastic[e, q, 6, b]
+    strength, hardening, strain = limits[0], limits[1], plastic[e, q, 6, b]
     G = wp.mat33f()
     mu, la = mu_new, la_new
     if strain > 0.0:
@@ -249,7 +250,7 @@ def elastic_plastic(
             plastic[e, q, 7, b] = plastic[e, q, 7, b] + more
         demand = demand * (1.0 - lost) * (1.0 - lost)
     if record == 1:
-        peak_squared[e, q, b] = wp.max(peak_squared[e, q, b], demand)
+        peak_squared[e, q, b] = wp.max(peak_squared[e, q, b], limits[2] * demand)
     k = factor(trace_change, mu)
     return neo_hookean(H, C, change, k, mu, la) + (0.75 * mu + k) * G
 
@@ -261,8 +262,7 @@ def stress_at(
     mu: float,
     la: float,
     across: wp.vec3f,
-    strength: float,
-    hardening: float,
+    limits: wp.vec3f,
     record: int,
     e: int,
     q: int,
@@ -272,9 +272,9 @@ def stress_at(
     peak_squared: wp.array3d(dtype=float),
 ):
     """As `elastic_plastic`, of an elastic body where the strength is that of one."""
-    if strength < ELASTIC:
-        return elastic_plastic(H, mu, la, across, strength, hardening, record, e, q, b, shares, plastic, peak_squared)
+    if limits[0] < ELASTIC:
+        return elastic_plastic(H, mu, la, across, limits, record, e, q, b, shares, plastic, peak_squared)
     P = first_piola(H, mu, la, law)
     if record == 1:
-        peak_squared[e, q, b] = wp.max(peak_squared[e, q, b], equivalent_squared(H, P, across))
+        peak_squared[e, q, b] = wp.max(peak_squared[e, q, b], limits[2] * equivalent_squared(H, P, across))
     return P

@@ -36,8 +36,7 @@ def of_point(
     mu_new: float,
     la_new: float,
     across: wp.vec3f,
-    strength: float,
-    hardening: float,
+    limit: wp.vec3f,
     dt: float,
     e: int,
     q: int,
@@ -53,6 +52,7 @@ def of_point(
     work, squared = float(0.0), float(0.0)
     G, P = wp.mat33f(), wp.mat33f()
     mu, la = mu_new, la_new
+    strength, hardening = limit[0], limit[1]
     if strength < ELASTIC:
         strain = plastic[e, q, 6, b]
         if strain > 0.0:
@@ -71,20 +71,19 @@ def of_point(
     else:
         P = first_piola(H, mu, la, law)
         squared = equivalent_squared(H, P, across)
-    return wp.vec3f(energy_density(H, G, mu, la, law) - 0.5 * dt * wp.ddot(P, rate), work, squared)
+    return wp.vec3f(energy_density(H, G, mu, la, law) - 0.5 * dt * wp.ddot(P, rate), work, limit[2] * squared)
 
 
 @wp.kernel
 def sample_elements(
     nodes: wp.array2d(dtype=int),
     gradients: wp.array(dtype=wp.mat33f),
-    volumes: wp.array(dtype=float),
+    volumes: wp.array2d(dtype=float),
     law: int,
     mu: float,
     la: float,
     across: wp.vec3f,
-    strength: float,
-    hardening: float,
+    limits: wp.array2d(dtype=wp.vec3f),
     dt: float,
     u: wp.array2d(dtype=wp.vec3f),
     v: wp.array2d(dtype=wp.vec3f),
@@ -100,9 +99,9 @@ def sample_elements(
         if nodes.shape[1] == 4:
             H = linear_gradient(u, nodes, G, e, b)
             rate = linear_gradient(v, nodes, G, e, b)
-            at = of_point(H, rate, law, mu, la, across, strength, hardening, dt, e, 0, b, shares, plastic)
-            strain += volumes[e] * at[0]
-            work += volumes[e] * at[1]
+            at = of_point(H, rate, law, mu, la, across, limits[e, 0], dt, e, 0, b, shares, plastic)
+            strain += volumes[e, 0] * at[0]
+            work += volumes[e, 0] * at[1]
             peak = wp.max(peak, at[2])
         else:
             x = nodal_values(u, nodes, e, b)
@@ -112,9 +111,9 @@ def sample_elements(
             for q in range(4):
                 H = quadratic_gradient(x_common, x, G, q)
                 rate = quadratic_gradient(y_common, y, G, q)
-                at = of_point(H, rate, law, mu, la, across, strength, hardening, dt, e, q, b, shares, plastic)
-                strain += 0.25 * volumes[e] * at[0]
-                work += 0.25 * volumes[e] * at[1]
+                at = of_point(H, rate, law, mu, la, across, limits[e, q], dt, e, q, b, shares, plastic)
+                strain += volumes[e, q] * at[0]
+                work += volumes[e, q] * at[1]
                 peak = wp.max(peak, at[2])
     parts[STRAIN, part, b] = strain
     parts[PLASTIC_WORK, part, b] = work

@@ -58,6 +58,7 @@ class LaneBody:
 
     nodes: wp.int32  # of an element: 4 or 10
     blocks: wp.int32
+    cellular: wp.int32  # whether it has less than the properties of a solid
     nodes_of: wp.array(dtype=wp.int32)
     geometry: wp.array(dtype=wp.float32)  # ∇L_1, ∇L_2, ∇L_3 (1/mm), volume (mm³)
     masses: wp.array(dtype=wp.float32)  # [node] g
@@ -96,6 +97,7 @@ class LaneScheme:
     contact_stiffness: wp.float32  # of a penalty floor at each node, 0 for a rigid floor
     damping: wp.array(dtype=wp.float32)  # β of each tetrahedron, as the blocks lie
     shares: wp.array(dtype=wp.float32)  # likewise
+    limits: wp.array(dtype=wp.float32)  # of a cellular body, [block][point][4 numbers][lane], as in `simd_code`
     normals: wp.array(dtype=wp.float32)
     across: wp.vec3f  # normal of printed layers over their share of the strength, zero for none
 

@@ -111,6 +111,18 @@ STRESS = """
         else return st_venant_kirchhoff(H);
     };
     auto max = [](const Lanes &a, const Lanes &b) { return a > b ? a : b; };
+    // `explicit.limits` of a Gauss point and its factor on stiffness, of a cellular body; of a solid one they are those of the scheme.
+    struct Limits { Lanes strength, hardening, comparable, stiffness; };
+    auto limits = [&](int point) INLINE {
+        if (!body.cellular) return Limits{Lanes{} + scheme.yield_strength, Lanes{} + scheme.hardening, Lanes{} + 1.0f, Lanes{} + 1.0f};
+        const Lanes *at = (const Lanes *)scheme.limits.data + 4 * point;
+        return Limits{at[0], at[1], at[2], at[3]};
+    };
+    auto scaled = [&](Matrix P, const Limits &limit) INLINE {
+        if (body.cellular)
+            for (int i = 0; i < 9; i++) P[0][i] *= limit.stiffness;
+        return P;
+    };
     const float across[3] = {scheme.across[0], scheme.across[1], scheme.across[2]};
     const float steep = across[0] * across[0] + across[1] * across[1] + across[2] * across[2];
     // What pulls or shears printed layers apart, over their share of the strength, squared.
@@ -150,7 +162,6 @@ STRESS = """
 """
 
 PLASTICITY = """
-    const float strength = scheme.yield_strength, hardening = scheme.hardening;
     constexpr float TINY = 1e-20f;
     constexpr int ROW[6] = {0, 1, 2, 0, 1, 2}, COLUMN[6] = {0, 1, 2, 1, 2, 0};
     auto any = [](auto mask) { return __builtin_reduce_or(mask) != 0; };
@@ -194,13 +205,14 @@ PLASTICITY = """
         return 1.0f / (size > 1.0f ? size : Lanes{} + 1.0f);
     };
     // One Gauss point where something has flowed or flows now: `elastic_plastic` of `laws`, lane by lane; G becomes that after the flow.
-    auto flow = [&](const Matrix &H, Matrix &G, Invariants &at, Lanes *point, const Lanes &softer, const Lanes *s, Lanes &demand) INLINE {
-        const Lanes limit = strength + hardening * point[STRAIN], J = 1.0f + at.change;
+    auto flow = [&](const Matrix &H, Matrix &G, Invariants &at, Lanes *point, const Limits &of, const Lanes &softer, const Lanes *s,
+                    Lanes &demand) INLINE {
+        const Lanes limit = of.strength + of.hardening * point[STRAIN], J = 1.0f + at.change;
         const auto yields = (demand > limit * limit) & (J > 0.1f);
         if (!any(yields)) return;
         const Lanes stiff = softer * (0.75f * mu + at.k), m = at.q * (1.0f / 3.0f), against = 3.0f * stiff * (1.0f + m);
         const Lanes above = yields ? 1.0f - limit / __builtin_elementwise_sqrt(demand) : Lanes{};
-        const Lanes along = above / (against + hardening), lost = against * along;
+        const Lanes along = above / (against + of.hardening), lost = against * along;
         const Lanes von_mises = stiff * __builtin_elementwise_sqrt(1.5f * square(s)), kept = 1.0f - lost;
         Lanes after[6];
         for (int n = 0; n < 6; n++) after[n] = kept * s[n];
@@ -236,35 +248,35 @@ PLASTICITY = """
         point[TENSION] += 3.0f * p > -kept * von_mises ? more : Lanes{};
         demand *= kept * kept;
     };
-    auto flowed_stress = [&](const Matrix &H, int block, Lanes *point, Lanes *highest) __attribute__((noinline)) {
+    auto flowed_stress = [&](const Matrix &H, int block, Lanes *point, const Limits &limit, Lanes *highest) __attribute__((noinline)) {
         Matrix G = plastic_part(H, point);
         const Lanes softer = softened(point, block);
         Invariants at = invariants(Flowed{}, H, G);
         Lanes s[6];
         deviator(Flowed{}, H, G, s);
         Lanes demand = softer * softer * demand_squared(s, at);
-        flow(H, G, at, point, softer, s, demand);
-        if (highest) *highest = max(*highest, demand);
+        flow(H, G, at, point, limit, softer, s, demand);
+        if (highest) *highest = max(*highest, limit.comparable * demand);
         Matrix P = neo_hookean(Flowed{}, H, G, at);
         for (int i = 0; i < 9; i++) P[0][i] *= softer;
         return P;
     };
     // Stress at a Gauss point of a block; `point` is what has flowed there, `highest` the running maximum of what is held against the
     // strength, squared, or null.
-    auto elastic_plastic = [&](const Matrix &H, int block, Lanes *point, Lanes *highest) INLINE {
+    auto elastic_plastic = [&](const Matrix &H, int block, Lanes *point, const Limits &limit, Lanes *highest) INLINE {
         if (!state.flowed.data[block]) {
             const Matrix none = {};
             const Invariants at = invariants(Virgin{}, H, none);
             Lanes s[6];
             deviator(Virgin{}, H, none, s);
             const Lanes demand = demand_squared(s, at);
-            if (!any(demand > strength * strength)) {
-                if (highest) *highest = max(*highest, demand);
+            if (!any(demand > limit.strength * limit.strength)) {
+                if (highest) *highest = max(*highest, limit.comparable * demand);
                 return neo_hookean(Virgin{}, H, none, at);
             }
             state.flowed.data[block] = 1;
         }
-        return flowed_stress(H, block, point, highest);
+        return flowed_stress(H, block, point, limit, highest);
     };
 """
 
@@ -356,11 +368,12 @@ FORCES = """
             load_ahead(element, block, buffer, x);
             auto stress = [&](int q, const Matrix &H) INLINE {
                 Lanes *highest = record ? peak + points * block + q : nullptr;
+                const Limits limit = limits(points * block + q);
                 if constexpr (decltype(law)::yields)
-                    return elastic_plastic(H, block, plastic + STATE * (points * block + q), highest);
+                    return scaled(elastic_plastic(H, block, plastic + STATE * (points * block + q), limit, highest), limit);
                 const Matrix P = first_piola(law, H);
-                if constexpr (record) *highest = max(*highest, equivalent_squared(H, P));
-                return P;
+                if constexpr (record) *highest = max(*highest, limit.comparable * equivalent_squared(H, P));
+                return scaled(P, limit);
             };
             add(element, block, [&](auto emit) INLINE { nodal_forces(element, x, geometry(block), stress, emit); });
         }
@@ -379,7 +392,6 @@ STRAIN = """
         constexpr int nodes = decltype(element)::nodes, points = decltype(element)::points;
         for (int block = 0; block < body.blocks; block++) {
             const Lanes *G = geometry(block);
-            const Lanes volume = G[9] * (1.0f / points);
             Lanes extra[9];
             for (int i = 0; i < 9; i++) extra[i] = EXTRA * G[i];
             Lanes x_buffer[nodes][3], v_buffer[nodes][3];
@@ -388,13 +400,17 @@ STRAIN = """
             load(element, state.v.data, block, v_buffer, v);
             Matrix x_common = {}, v_common = {};
             if constexpr (points > 1) x_common = common_gradient(x, G), v_common = common_gradient(v, G);
+            Lanes volume;
+            Limits limit;
             // `softer` is a factor on energy and stress, `now` the stress squared without it.
             auto add = [&](auto past, const Matrix &H, const Matrix &rate, const Matrix &G, const Matrix &P, Lanes softer, Lanes now) {
                 const Lanes energy = energy_density(past, H, G) - 0.5f * scheme.time_step * contraction(P, rate);
                 strain += __builtin_convertvector(volume * softer * energy, DoubleLanes);
-                peak = max(peak, softer * softer * now);
+                peak = max(peak, limit.comparable * (softer * softer * now));
             };
             for (int q = 0; q < points; q++) {
+                limit = limits(points * block + q);
+                volume = G[9] * (1.0f / points) * limit.stiffness;
                 const Matrix H = gradient(element, x_common, x, G, extra, q), rate = gradient(element, v_common, v, G, extra, q);
                 if constexpr (decltype(law)::yields) {
                     Lanes none[STATE] = {}, s[6];
@@ -404,7 +420,7 @@ STRAIN = """
                     deviator(Flowed{}, H, flowed, s);
                     const Matrix P = neo_hookean(Flowed{}, H, flowed, at);
                     add(Flowed{}, H, rate, flowed, P, softened(point, block), demand_squared(s, at));
-                    const Lanes work = volume * point[STRAIN] * (strength + 0.5f * hardening * point[STRAIN]);
+                    const Lanes work = volume * point[STRAIN] * (limit.strength + 0.5f * limit.hardening * point[STRAIN]);
                     worked += __builtin_convertvector(work, DoubleLanes);
                 } else {
                     const Matrix P = first_piola(law, H);

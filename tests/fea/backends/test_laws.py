@@ -7,7 +7,7 @@ from mechstyle._warp import wp
 from mechstyle.fea.backends.kernels import linear_forces
 from mechstyle.fea.backends.sampling_kernels import PEAK, STRAIN, sample_elements
 from mechstyle.fea.elasticity import LAWS, equivalent_stress, law_named
-from mechstyle.fea.explicit import ELASTIC, QUANTITIES, law_number
+from mechstyle.fea.explicit import ELASTIC, QUANTITIES, law_number, limits
 from support import hyperelasticity
 
 MANY = 24
@@ -36,8 +36,11 @@ def on_cpu(values, dtype=float):
     return wp.array(np.ascontiguousarray(values), dtype=dtype, device="cpu")
 
 
+LIMITS = on_cpu(limits(ELASTIC, 0.0, None)[None, None], wp.vec3f)
+
+
 def body():
-    return [on_cpu(NODES, int), on_cpu(np.eye(3, dtype=np.float32)[None], wp.mat33f), on_cpu(np.array([1.0 / 6.0], np.float32))]
+    return [on_cpu(NODES, int), on_cpu(np.eye(3, dtype=np.float32)[None], wp.mat33f), on_cpu(np.array([[1.0 / 6.0]], np.float32))]
 
 
 @each_law
@@ -45,7 +48,7 @@ def body():
 def test_energy_and_stress_are_those_of_the_reference(gradients, name, across, pla):
     law, u = law_named(name, pla), on_cpu(moved(gradients), wp.vec3f)
     parts = wp.zeros((len(QUANTITIES), 1, MANY), dtype=float, device="cpu")
-    asked = [*body(), law_number(law), law.mu, law.la, wp.vec3f(*across), ELASTIC, 0.0, 0.0, u, wp.zeros_like(u), NO_SHARES, NO_FLOW, parts]
+    asked = [*body(), law_number(law), law.mu, law.la, wp.vec3f(*across), LIMITS, 0.0, u, wp.zeros_like(u), NO_SHARES, NO_FLOW, parts]
     wp.launch(sample_elements, dim=(1, MANY), inputs=asked, device="cpu")
     energy = hyperelasticity.energy_density(law, gradients) / 6.0
     stress = equivalent_stress(hyperelasticity.cauchy_stress(gradients, hyperelasticity.first_piola(law, gradients)), across)
@@ -61,7 +64,7 @@ def test_forces_are_those_of_the_first_piola_stress(gradients, name, pla):
     law, u = law_named(name, pla), on_cpu(moved(gradients), wp.vec3f)
     forces, peak = wp.zeros((4, MANY), dtype=wp.vec3f, device="cpu"), wp.zeros((1, 1, MANY), dtype=float, device="cpu")
     damping = on_cpu(np.zeros(1, np.float32))
-    constants = [law_number(law), law.mu, law.la, wp.vec3f(), ELASTIC, 0.0]
+    constants = [law_number(law), law.mu, law.la, wp.vec3f(), LIMITS]
     asked = [*body(), on_cpu(NODES, int), damping, u, wp.zeros_like(u), *constants, 0, forces, damping, NO_FLOW, peak]
     wp.launch(linear_forces, dim=(1, MANY), inputs=asked, device="cpu")
     stress = hyperelasticity.first_piola(law, gradients)

@@ -5,7 +5,7 @@ import pytest
 
 from mechstyle._warp import wp
 from mechstyle.fea.backends import sampling_kernels as k
-from mechstyle.fea.explicit import ELASTIC, QUANTITIES
+from mechstyle.fea.explicit import ELASTIC, QUANTITIES, limits
 
 COUNT = 2 * int(k.PARTS) + 77
 NORMALS = np.array([[0.0, 0.0, 1.0], [0.6, 0.0, 0.8]], np.float32)
@@ -81,9 +81,10 @@ def test_strain_of_every_element_counts_once(pla):
     gradients, volumes = np.tile(np.eye(3), (COUNT, 1, 1)), np.ones(COUNT)
     u = on_cpu(1e-2 * np.array([[(0, 0, 0)], [(1, 0, 0)], [(0, 0, 0)], [(0, 0, 0)]], float), wp.vec3f)
     parts = wp.zeros((len(QUANTITIES), int(k.PARTS), 1), dtype=float, device="cpu")
-    body = [wp.array(nodes, dtype=int, device="cpu"), on_cpu(gradients, wp.mat33f), on_cpu(volumes)]
+    body = [wp.array(nodes, dtype=int, device="cpu"), on_cpu(gradients, wp.mat33f), on_cpu(volumes[:, None], float)]
     no_flow = wp.zeros((0, 0, 0, 0), dtype=float, device="cpu")
-    asked = [*body, 0, mu, mu, wp.vec3f(), ELASTIC, 0.0, 0.0, u, wp.zeros_like(u), wp.zeros(0, dtype=float, device="cpu"), no_flow, parts]
+    bounds = on_cpu(np.tile(limits(ELASTIC, 0.0, None), (len(volumes), 1, 1)), wp.vec3f)
+    asked = [*body, 0, mu, mu, wp.vec3f(), bounds, 0.0, u, wp.zeros_like(u), wp.zeros(0, dtype=float, device="cpu"), no_flow, parts]
     wp.launch(k.sample_elements, (int(k.PARTS), 1), asked, device="cpu")
     strain = 1e-2 + 0.5e-4  # Green's, of a stretch by 1 %
     assert parts.numpy()[k.STRAIN].sum() == pytest.approx(COUNT * 1.5 * mu * strain**2, rel=1e-4)

@@ -11,6 +11,7 @@ from mechstyle.records import Row, sentences
 from mechstyle.runs.run import Run
 from mechstyle.runs.summary import on_little
 from mechstyle.simulation.estimate import landings_on_the_way, plan_of
+from mechstyle.simulation.printed import plastic_share
 from mechstyle_widgets.jupyter.language import said, word
 from mechstyle_widgets.panels.branches import kept, said_of
 from mechstyle_widgets.settings.section import WIDE, Words, table
@@ -47,11 +48,12 @@ class Result(Words):
         self.say(f"<b>{escape(head)}: {escape(said(shown.words))}</b>{figures(shown, *self._weight())}{doubt}{folded}")
 
     def _weight(self) -> tuple[str, str]:
-        """What the part on show weighs, printed solid, and in a few words the plain one and its filament; "" for what encloses nothing."""
+        """What the part on show weighs as printed, and in a few words the plain one and its filament; "" for what encloses nothing."""
         run, shown = self._state.run, self._state.checkpoint
         if run is None or shown is None or (plain := run.part.surface.volume) <= 0.0:
             return "", ""
-        density, styled, price = run.recipe.test.material.density, run.part.surface.displaced(shown.displacement).volume, self._state.price
+        density, price = run.recipe.test.material.density * plastic_share(run.part.tets, run.recipe), self._state.price
+        styled = run.part.surface.displaced(shown.displacement).volume
         digits = 0 if density * plain >= 20.0 else 1
         costs = word("{} of your currency").format(f"{1e-3 * price * density * styled:.2f}") if price else ""
         beside = word("plain {} g").format(f"{density * plain:.{digits}f}")
