@@ -102,7 +102,11 @@ def finish(run: Any, teller: Any) -> Any:
 
     teller.say((*run.part.notes, *bounds_for(run.part, run.recipe)[1]))
     teller.stage("simulating the unstylized part")
-    run.go(teller.event, teller.fraction)
+    try:
+        run.go(teller.event, teller.fraction)
+    except KeyboardInterrupt as interrupt:
+        kept = "what was checkpointed is kept, and the same command goes on from there" if run.history else "nothing was saved yet"
+        raise KeyboardInterrupt(f"interrupted; {kept}") from interrupt
     teller.stage("writing files")
     stem = f"{run.record.stem}-{run.lane}"
     model = run.store.root / f"{stem}.3mf"

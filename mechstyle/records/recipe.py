@@ -297,8 +297,14 @@ class Delivery(Chapter, frozen=True, kw_only=True):
     strengthen: float = 0.0
 
 
+def _article(noun: str) -> str:
+    return f"{'an' if noun[0] in 'aeiou' else 'a'} {noun}"
+
+
 def check_prompt(prompt: str) -> None:
-    """Refuse a prompt that is too long with BadInput, without repeating it."""
+    """Refuse a prompt that is no text, or too long, with BadInput, without repeating it."""
+    if not isinstance(prompt, str):
+        raise BadInput(f"a prompt is text, such as 'brick', not {_article(type(prompt).__name__)}")
     if len(prompt) > LONGEST_PROMPT:
         raise BadInput(f"the prompt has {len(prompt)} characters, but may have {LONGEST_PROMPT}: name styles, colours, sizes, places")
 

@@ -6,13 +6,14 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 import msgspec
 import numpy as np
 from scipy.spatial import cKDTree
 
 from mechstyle._files import write_whole
-from mechstyle.errors import BadInput, SimulationFailed
+from mechstyle.errors import BadInput, SimulationFailed, check_known
 from mechstyle.fea.drop import History, resolve_device
 from mechstyle.fea.explicit import Progress, no_progress
 from mechstyle.geometry.proximity import TriangleTree
@@ -158,6 +159,7 @@ def simulate(
     stage: Stage = no_progress,
     progress: Progress = no_progress,
     measured: Callable[[Shape], None] = no_progress,
+    **others: Any,
 ) -> PartTest:
     """Drop a part as it is.
 
@@ -181,6 +183,7 @@ def simulate(
         stage: Called with what is being prepared, in words.
         progress: Called with the fraction of the drop done; may raise to cancel.
         measured: Called with the part's surface and walls, before the minutes that meshing and drop may take.
+        others: Nothing; what is misspelt is named with what it may have meant.
 
     Raises:
         BadInput: If the part or a setting cannot be used, in one sentence.
@@ -189,6 +192,7 @@ def simulate(
         >>> ms.simulate(ms.load("gallery:drawer_knob"), vertices=500, device="cpu").verdict.outcome
         'HOLDS'
     """
+    check_known(simulate, others)
     chosen, where = material_named(material), resolve_device(device)
     asked = {"standard": standard, "orientations": orientations, "poses": poses, "height": None if height is None else length_of(height)}
     wanted = Recipe.of(
