@@ -154,13 +154,10 @@ def simulate(
     minimum_wall: float = DEFAULTS["minimum_wall"],
     build_direction: str | Sequence[float] | None = None,
     window: float | None = DEFAULTS["window"],
-    vertices: int = STANDARD_VERTICES,
-    device: str = "auto",
-    stage: Stage = no_progress,
-    progress: Progress = no_progress,
-    measured: Callable[[Shape], None] = no_progress,
+    vertices: int = STANDARD_VERTICES, device: str = "auto",
+    stage: Stage = no_progress, progress: Progress = no_progress, measured: Callable[[Shape], None] = no_progress,
     **others: Any,
-) -> PartTest:
+) -> PartTest:  # fmt: skip
     """Drop a part as it is.
 
     Args:
