@@ -68,7 +68,7 @@ def command(function: Callable[P, R]) -> Callable[P, R]:
             what = f"{error.filename or 'a file'}: {error.strerror or error}"
             fail(f"{what}; check the path, the rights and the free space", EXIT_BAD_INPUT, as_json=as_json)
         except KeyboardInterrupt as interrupt:
-            fail(str(interrupt) or "interrupted; nothing was saved", EXIT_INTERRUPTED, as_json=as_json)
+            fail(str(interrupt) or "interrupted; what was saved is kept", EXIT_INTERRUPTED, as_json=as_json)
 
     return wrapped
 
