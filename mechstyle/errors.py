@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable
+import inspect
+from collections.abc import Callable, Iterable
+from typing import Any
 
 
 class MechStyleError(Exception):
@@ -40,11 +42,25 @@ class DamagedStore(MechStyleError):
     """A stored object does not have the content its name promises."""
 
 
+LISTED = 12
+"""Most known names that a refusal lists beside one that comes near."""
+
+
 def unknown(kind: str, name: str, known: Iterable[str]) -> BadInput:
-    """The error for a name that is not in a list, with the nearest known names first."""
-    names = sorted(known)
+    """The error for a name that is not in a list, with the nearest known names first; of a long list only those, if any."""
+    names = sorted(filter(None, known))
     by_small_letters = {other.lower(): other for other in names}
     near = [by_small_letters[match] for match in difflib.get_close_matches(name.lower(), by_small_letters, n=3, cutoff=0.5)]
     ordered = near + [other for other in names if other not in near]
+    if near and len(names) > LISTED:
+        return BadInput(f"unknown {kind} {name!r}: did you mean {' or '.join(map(repr, near))}?")
     hint = f"did you mean {near[0]!r}? " if near else ""
     return BadInput(f"unknown {kind} {name!r}: {hint}known are {', '.join(ordered)}")
+
+
+def check_known(function: Callable[..., Any], given: Iterable[str], others: Iterable[str] = ()) -> None:
+    """Refuse arguments that a function does not take by name; `others` are those that it hands on."""
+    taken = {name for name, one in inspect.signature(function).parameters.items() if one.kind is not one.VAR_KEYWORD}
+    for name in given:
+        if name not in {*taken, *others}:
+            raise unknown("setting" if others else f"argument of {function.__name__}", name, {*taken, *others})

@@ -67,8 +67,8 @@ def command(function: Callable[P, R]) -> Callable[P, R]:
         except OSError as error:
             what = f"{error.filename or 'a file'}: {error.strerror or error}"
             fail(f"{what}; check the path, the rights and the free space", EXIT_BAD_INPUT, as_json=as_json)
-        except KeyboardInterrupt:
-            fail("interrupted; what was checkpointed is kept, and the same command goes on from there", EXIT_INTERRUPTED, as_json=as_json)
+        except KeyboardInterrupt as interrupt:
+            fail(str(interrupt) or "interrupted; what was saved is kept", EXIT_INTERRUPTED, as_json=as_json)
 
     return wrapped
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from mechstyle.cli.console import command, escape, out, print_json, table, verdict_text
+from mechstyle.cli.console import command, err, escape, out, print_json, table, verdict_text
 from mechstyle.cli.options import Json
 from mechstyle.errors import BadInput, unknown
 from mechstyle.loop.store import Store, parse_address
@@ -144,7 +144,10 @@ def export_command(
     number = run.store.find(iteration, lane).iteration
     place = path or root / f"{run.record.stem}-{lane}-{number}.{chosen}"
     printing = Printing(slicer=slicer, palette=palette, colours=colours, bands=bands, bodies=bodies)
+    replaced = path is None and place.exists()
     written = run.exported(place, iteration, fields=fields, printing=printing)
+    if replaced and not as_json:
+        err.print(f"[dim]{escape(str(place))} was there and is replaced; --out writes to another file[/]")
     if as_json:
         print_json({"export": written, "files": {"model": str(place), "quality": str(sidecar(place))}})
         return

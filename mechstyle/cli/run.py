@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -81,18 +82,11 @@ def carry_out(
     if not as_json and device == "cpu":
         err.print(f"[dim]{escape(estimated(wanted, vertices).words)}[/]")
     with progress_shown(wanted.schedule.iterations, quiet=as_json, said=said) as teller:
-        run = started(
-            wanted,
-            mesh,
-            vertices=vertices,
-            out=folder,
-            name=name,
-            device=device,
-            stage=teller.stage,
-            warn=teller.warn,
-            beside=False,
-            shown=teller.shown,
-        )
+        with nullcontext() if folder is None else _interruptible(folder):
+            run = started(
+                wanted, mesh, vertices=vertices, out=folder, name=name, device=device, stage=teller.stage, warn=teller.warn, beside=False,
+                shown=teller.shown,
+            )  # fmt: skip
         return finish(run, teller)
 
 
@@ -102,7 +96,8 @@ def finish(run: Any, teller: Any) -> Any:
 
     teller.say((*run.part.notes, *bounds_for(run.part, run.recipe)[1]))
     teller.stage("simulating the unstylized part")
-    run.go(teller.event, teller.fraction)
+    with _interruptible(run.store.root):
+        run.go(teller.event, teller.fraction)
     teller.stage("writing files")
     stem = f"{run.record.stem}-{run.lane}"
     model = run.store.root / f"{stem}.3mf"
@@ -111,6 +106,20 @@ def finish(run: Any, teller: Any) -> Any:
     teller.said.add(written.printing.words)  # `export` says it, with what would cost less
     run.add_files({"model": model, "picture": run.show().save(run.store.root / f"{stem}.png")}, notes)
     return run
+
+
+@contextmanager
+def _interruptible(folder: Path) -> Iterator[None]:
+    """Have who ends a run know what is left of it in its folder."""
+    from mechstyle.loop.store import Store  # noqa: PLC0415
+
+    try:
+        yield
+    except KeyboardInterrupt as interrupt:
+        store = Store(folder)
+        kept = "what was checkpointed is kept, and the same command goes on from there"
+        begun = "main" in store.lanes() and bool(store.history("main"))
+        raise KeyboardInterrupt(f"interrupted; {kept if begun else 'nothing was saved yet'}") from interrupt
 
 
 NOTES = 3

@@ -114,6 +114,8 @@ def load(
     from mechstyle.geometry.files import read  # noqa: PLC0415
     from mechstyle.simulation.part import Model, Origin  # noqa: PLC0415
 
+    if not isinstance(model, str | Path):
+        raise BadInput(f"a part is the path of a file or gallery:NAME, not {model!r}"[:200])
     address, said = addressed(model)
     if said:
         given = {"scale": scale, "up": up, "unit": unit, "size": size, "body": body}

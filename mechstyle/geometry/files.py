@@ -206,6 +206,7 @@ def _known_content(file: Path) -> tuple[bytes, str]:
     suffix = file.suffix.lower().lstrip(".")
     if not file.name.isprintable():
         raise BadInput(f"{file.name[:60]!r} holds signs that are no letters: give the file another name")
+    _check_there(file)
     if suffix not in {*FORMATS, *step.SUFFIXES}:
         raise BadInput(
             f"{file.name}: cannot read {_kind(suffix)}; open it in the program it was made with and export it as {', '.join(FORMATS)}"
@@ -228,12 +229,18 @@ def is_there(path: Path) -> bool:
         return False
 
 
+def _check_there(file: Path) -> None:
+    """Refuse what is no file, with the folder in which a path that is not there was looked for."""
+    if not is_there(file):
+        where = "" if file.is_absolute() else f" from {Path.cwd()}"
+        raise BadInput(f"{file} does not exist{where}; check the path")
+    if not file.is_file():
+        raise BadInput(f"{file} is a folder, not a file; name the mesh file itself")
+
+
 def _content(file: Path) -> bytes:
     """The bytes of a file that is there and not empty."""
-    if not is_there(file):
-        raise BadInput(f"{file} does not exist; check the path")
-    if not file.is_file():
-        raise BadInput(f"{file} is not a file; name the mesh file itself")
+    _check_there(file)
     try:
         if (size := file.stat().st_size) > MOST_BYTES:
             too_large = f"has {size / 1e6:.0f} MB, more than {MOST_BYTES / 1e6:.0f}"

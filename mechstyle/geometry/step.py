@@ -7,13 +7,13 @@ on its processor time, which does not depend on how busy the machine is.
 from __future__ import annotations
 
 import importlib.util
-import os
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
 
 from mechstyle.errors import BadInput
+from mechstyle.geometry.worker import importable, limit_processor_time, out_of_time
 
 SUFFIXES = ("step", "stp")
 PROCESSOR = 120
@@ -39,28 +39,18 @@ def glb_of(name: str, content: bytes) -> bytes:
         asked, answer = Path(folder) / "part.step", Path(folder) / "part.glb"
         asked.write_bytes(content)
         command = [sys.executable, "-m", "mechstyle.geometry.step", str(asked), str(answer)]
-        done = subprocess.run(command, env=_environment(), stdin=subprocess.DEVNULL, capture_output=True, check=False)  # noqa: S603
+        done = subprocess.run(command, env=importable(), stdin=subprocess.DEVNULL, capture_output=True, check=False)  # noqa: S603
         if done.returncode or not answer.is_file() or not (found := answer.read_bytes()):
-            why = "takes too long to read" if done.returncode < 0 and done.returncode != -11 else "cannot be read as STEP"
+            why = "takes too long to read" if out_of_time(done.returncode) else "cannot be read as STEP"
             raise BadInput(f"{name} {why}: it is damaged, or of a kind that Open CASCADE does not know; export it as STL or 3MF")
         return found
-
-
-def _environment() -> dict[str, str]:
-    """The environment with this package importable."""
-    paths = [str(Path(__file__).resolve().parents[2]), *filter(None, [os.environ.get("PYTHONPATH")])]
-    return {**os.environ, "PYTHONPATH": os.pathsep.join(paths)}
 
 
 def main(asked: str, answer: str) -> None:
     """The other process."""
     import cascadio  # noqa: PLC0415 — an extra
 
-    if sys.platform != "win32":
-        import resource  # noqa: PLC0415 — not there on Windows
-
-        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-        resource.setrlimit(resource.RLIMIT_CPU, (PROCESSOR, PROCESSOR))
+    limit_processor_time(PROCESSOR)
     Path(answer).write_bytes(cascadio.load(Path(asked).read_bytes(), file_type="step", tol_linear=LINEAR, tol_angular=ANGULAR))
 
 

@@ -208,6 +208,8 @@ class Store:
 
     def find(self, iteration: int | None, lane: str = "main") -> Entry:
         """The newest checkpoint of an iteration in a lane (None: its head); BadInput says which iterations there are."""
+        if isinstance(iteration, str):
+            raise BadInput(f"{iteration!r} is no iteration, which is a whole number; what is to be shown goes into fields=[{iteration!r}]")
         history = self.history(lane)
         if not history:
             raise BadInput(f"lane {lane!r} in {self.root} has no checkpoint yet")

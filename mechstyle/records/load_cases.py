@@ -238,6 +238,8 @@ def _take_region(record: Support | Load) -> None:
     given: Any = record.at  # the annotation is what is stored; msgspec takes no union of tagged and other records
     if isinstance(given, Region):
         msgspec.structs.force_setattr(record, "at", Patch.of(given))
+    elif not (given is None or isinstance(given, Patch) or given == RESTING_FACE):
+        raise BadInput(f"a place is ms.Sphere, ms.Box, ms.HalfSpace or {RESTING_FACE!r}, not {given!r}")
 
 
 def _finite(what: str, numbers: Sequence[float]) -> None:

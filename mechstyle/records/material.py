@@ -185,8 +185,16 @@ class Material(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
         return float((self.youngs_modulus / self.density) ** 0.5)
 
 
-LIBRARY: dict[str, Material] = {
-    material.name: material
+class Materials(dict[str, Material]):
+    """Materials by name; BadInput for a name that is not among them."""
+
+    def __missing__(self, name: object) -> Material:
+        """Name those that come near."""
+        raise unknown("material", str(name), self)
+
+
+LIBRARY: dict[str, Material] = Materials(
+    (material.name, material)
     for material in (
         Material(
             name="PLA", youngs_modulus=3500.0, poisson_ratio=0.36, density=1.24e-3, yield_strength=45.6, layer_ratio=0.55,
@@ -238,7 +246,7 @@ LIBRARY: dict[str, Material] = {
             layer_source="assumed: layers cure into each other",
         ),
     )
-}  # fmt: skip
+)  # fmt: skip
 
 SPREAD: Mapping[str, str] = {
     "PLA": "strength 23 to 65 MPa, E 2.0 to 3.5 GPa by brand",

@@ -340,8 +340,14 @@ class Printed(Chapter, frozen=True, kw_only=True):
         return f"{walls}, {layers}, {f'{100.0 * self.infill:g} % {self.infill_pattern}' if self.infill else 'no infill'}"
 
 
+def _article(noun: str) -> str:
+    return f"{'an' if noun[0] in 'aeiou' else 'a'} {noun}"
+
+
 def check_prompt(prompt: str) -> None:
-    """Refuse a prompt that is too long with BadInput, without repeating it."""
+    """Refuse a prompt that is no text, or too long, with BadInput, without repeating it."""
+    if not isinstance(prompt, str):
+        raise BadInput(f"a prompt is text, such as 'brick', not {_article(type(prompt).__name__)}")
     if len(prompt) > LONGEST_PROMPT:
         raise BadInput(f"the prompt has {len(prompt)} characters, but may have {LONGEST_PROMPT}: name styles, colours, sizes, places")
 

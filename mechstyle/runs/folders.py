@@ -11,7 +11,7 @@ from pathlib import Path
 import msgspec
 import numpy as np
 
-from mechstyle._files import file_stem
+from mechstyle._files import exclusive, file_stem
 from mechstyle.errors import BadInput, DamagedStore
 from mechstyle.loop.objects import Objects
 from mechstyle.loop.store import Store
@@ -52,6 +52,13 @@ def folder_for(out: Path, recipe: Recipe, *, beside: bool) -> Path:
     found = next(place for place in numbered if not _holds_something_else(place) and _takes(place, recipe))
     logger.warning("%s holds a run with other settings: this one is in %s", out, found)
     return found
+
+
+def check_free(out: Path) -> None:
+    """Refuse a run directory that another process is carrying on, before the minutes that a part takes to be made ready."""
+    if (lock := out / "locks" / "main.lock").is_file():
+        with exclusive(lock, f"lane 'main' of {out}"):
+            pass
 
 
 def _holds_something_else(place: Path) -> bool:

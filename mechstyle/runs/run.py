@@ -13,7 +13,7 @@ from typing import Any
 import msgspec
 
 from mechstyle._files import exclusive, write_whole
-from mechstyle.errors import BadInput
+from mechstyle.errors import BadInput, check_known
 from mechstyle.fea.drop import resolve_device
 from mechstyle.fea.explicit import Progress, no_progress
 from mechstyle.geometry.cancelling import CancelCheck, never_cancel
@@ -24,14 +24,14 @@ from mechstyle.loop.history import measured_at, simulations
 from mechstyle.loop.objects import read_record, to_json
 from mechstyle.loop.store import Entry, Lane, Store, parse_address
 from mechstyle.pictures.panels import Picture, checkpoint_panels, chosen_panels, picture, styled_panel, with_protected
-from mechstyle.records import Checkpoint, Recipe, Simulation, Verdict, sentences
+from mechstyle.records import SETTINGS, Checkpoint, Recipe, Simulation, Verdict, sentences
 from mechstyle.records.material import Material
 from mechstyle.records.mesh import QUICK_VERTICES, STANDARD_VERTICES, Field, SurfaceMesh
 from mechstyle.runs import images
 from mechstyle.runs.export import AS_USUAL, Exported, exported, known_fields
-from mechstyle.runs.folders import PartRecord, default_folder, folder_for
+from mechstyle.runs.folders import PartRecord, check_free, default_folder, folder_for
 from mechstyle.runs.printing import Printing
-from mechstyle.runs.recipes import changed, draft, expected
+from mechstyle.runs.recipes import changed, draft, expected, idle
 from mechstyle.runs.session import Session
 from mechstyle.runs.stylizers import finished_style, stylizer_for
 from mechstyle.runs.summary import Clock, Summary, summarise
@@ -214,6 +214,8 @@ class Run:
         """
         entry = self.store.find(iteration, self.lane)
         recipe = changed(self.store.recipe(entry.recipe), changes)
+        for warning in idle(changes, recipe):
+            logger.warning("%s", warning)
         if recipe.schedule.iterations <= entry.iteration:
             raise BadInput(f"a branch at iteration {entry.iteration} must go beyond it, not to {recipe.schedule.iterations}: ask for more")
         with self.store.branching():
@@ -339,7 +341,10 @@ def stylize(
         >>> run.verdict.outcome
         'HOLDS'
     """
+    check_known(stylize, settings, SETTINGS)
     wanted = draft(prompt, material, freestyle=freestyle, **settings)
+    for warning in idle(settings, wanted):
+        logger.warning("%s", warning)
     if vertices is None:
         vertices = QUICK_VERTICES if quick else STANDARD_VERTICES
     return started(wanted, mesh, vertices=vertices, out=out, name=name, device=device, stage=stage, warn=logged).go(on_event)
@@ -377,6 +382,8 @@ def started(
         shown: Called with the path of a picture of the finished style, written before the minutes that tetrahedra may take; None for none.
     """
     folder = None if out is None else Path(out)
+    if folder is not None:
+        check_free(folder)
     relief = partial(_relief, wanted, shown, folder, name=name, beside=beside)
     device, clock = resolve_device(device), Clock()
     prepare = with_wall_warning(prepare, wanted.delivery.minimum_wall, warn)

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from mechstyle._files import write_whole
-from mechstyle.errors import BadInput, SimulationFailed, unknown
+from mechstyle.errors import BadInput, SimulationFailed, check_known
 from mechstyle.fea.drop import History, resolve_device
 from mechstyle.fea.explicit import Progress, no_progress
 from mechstyle.geometry.proximity import TriangleTree
@@ -25,7 +25,7 @@ from mechstyle.records.landings import with_drops
 from mechstyle.records.load_cases import LoadCase, load_cases
 from mechstyle.records.material import Material, material_named
 from mechstyle.records.mesh import STANDARD_VERTICES, Field, SurfaceMesh, TetMesh
-from mechstyle.records.recipe import CHAPTER_OF, DEFAULTS, direction_of, settings_of
+from mechstyle.records.recipe import DEFAULTS, direction_of, settings_of
 from mechstyle.records.sliced import with_sliced
 from mechstyle.records.written import READERS, length_of, tolerance_of
 from mechstyle.simulation.drop_history import Course, history_picture, vtu_bytes, vtu_path
@@ -189,6 +189,7 @@ def simulate(
         >>> ms.simulate(ms.load("gallery:drawer_knob"), vertices=500, device="cpu").verdict.outcome
         'HOLDS'
     """
+    check_known(simulate, printed, (*settings_of("printed"), "sliced"))
     chosen, where = material_named(material), resolve_device(device)
     asked = {"standard": standard, "orientations": orientations, "poses": poses, "height": None if height is None else length_of(height)}
     wanted = Recipe.of(
@@ -201,11 +202,9 @@ def simulate(
 
 
 def inside_of(printed: Mapping[str, Any]) -> dict[str, Any]:
-    """Settings of how a part is printed, read; BadInput for any other setting."""
-    for name in (found := with_sliced(printed)):
-        if CHAPTER_OF.get(name) != "printed":
-            raise unknown("setting", name, settings_of("printed"))
-    return {name: READERS[name](value) if name in READERS else value for name, value in found.items() if value is not None}
+    """Settings of how a part is printed, read."""
+    found = with_sliced(printed).items()
+    return {name: READERS[name](value) if name in READERS else value for name, value in found if value is not None}
 
 
 def _prepared(

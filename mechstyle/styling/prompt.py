@@ -54,7 +54,7 @@ from mechstyle.styling.phrases import (
 )
 from mechstyle.styling.picture import NAME as OWN
 from mechstyle.styling.vocabulary import PICTURE
-from mechstyle.styling.words import Word, quoted, words
+from mechstyle.styling.words import Word, abroad, quoted, words
 
 Rgb = tuple[float, float, float]
 
@@ -138,7 +138,8 @@ def read(prompt: str, *, picture: bool = False) -> Reading:
     """
     check_prompt(prompt)
     found, notes = words(prompt)
-    if notes and not any(_understood(word, notes) for word in found) and (style := sure(prompt)):
+    strange = abroad(prompt)
+    if (strange or (notes and not any(_understood(word, notes) for word in found))) and (style := sure(prompt)):
         return _meant(prompt, style)  # a slip is guessed only where no meaning is sure
     if picture:
         meant = [word._replace(means=PICTURE) if word.means in english.PICTURES else word for word in found]
@@ -148,7 +149,7 @@ def read(prompt: str, *, picture: bool = False) -> Reading:
     if not _clauses(kept, notes=[]) and any(is_style(item) for item in unwanted):
         kept, unwanted = without_negated(items, adjectives_only=True)
     _check_said(kept, unwanted)
-    clauses = _clauses(kept, notes)
+    clauses = _clauses(kept, notes) if not strange or any(_names(word, notes) for word in found) else []
     if not clauses:
         if not unwanted and not picture and (style := sure(prompt)):
             return _meant(prompt, style)
@@ -433,6 +434,12 @@ def _understood(word: Word, notes: Sequence[str]) -> bool:
     """Whether a word is one of a language that is read, and was not guessed."""
     known = bool(word.means) or word.text in english.english()
     return known and not any(note.startswith(f"read {word.text!r} ") for note in notes)
+
+
+def _names(word: Word, notes: Sequence[str]) -> bool:
+    """Whether a word is the name of a style, and was not guessed."""
+    style = style_of(word)
+    return style is not None and style.rank == 0 and _understood(word, notes)
 
 
 def _meant(prompt: str, style: str) -> Reading:

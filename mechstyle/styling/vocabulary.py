@@ -137,6 +137,13 @@ def looks() -> Mapping[str, str]:
 
 
 @cache
+def foreign_looks() -> Mapping[str, str]:
+    """Style of each word of another language of `words` that says anything about one."""
+    said = ((word, row.value.split()[0]) for row in rows("words") if row.kind in _STYLES for words in row.words[1:] for word in words)
+    return {word.replace("_", " "): style for word, style in said}
+
+
+@cache
 def apart() -> tuple[tuple[str, ...], ...]:
     """The phrases whose words may stand apart from each other, those of most words first."""
     phrases = [tuple(word.split("+")) for word, *_ in _meant("words") if "+" in word]

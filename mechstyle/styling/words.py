@@ -27,6 +27,13 @@ _INFLECTED = 8  # so many of them only say number and time
 _COMPARED = ("er", "est")  # rougher is rough, but a bagger is no bag
 _PLURALS = ("ies", "es", "s", "ed")
 _INFLECTION = {"German": re.compile("(?:en|er|es|em|e|n|s)$")} | dict.fromkeys(LANGUAGES[1:5], re.compile("(?:[aeio]?s?|x)$"))
+_ABROAD = re.compile(
+    r"\b(?:het|een|voor|met|uit|mijn|zonder|behalve|zoals|naar|tussen|geen|dla|jak|bez|oprócz|moja|mój|moje|ze|nad|przez|ve|için|gibi|ile|bir|"
+    r"hariç|och|og|på|av|uden|utan|för|mellan|eller|uten|și|pentru|din|fără|jako|és|nélkül|egy|untuk|dengan|seperti|tanpa|yang|với)\b"
+)
+"""Small words of languages that no table has."""
+_LETTERS = frozenset("abcdefghijklmnopqrstuvwxyzàâäæáãçéèêëíìîïñóòôöõœúùûüÿßªº")
+"""Letters of the languages of the tables."""
 _LEAST_STEM = 3
 _LEAST_STYLE = 4
 _LONGEST_PHRASE = 4  # words
@@ -49,7 +56,7 @@ class Word(NamedTuple):
 
 def words(prompt: str) -> tuple[list[Word], list[str]]:
     """The words of a prompt, and a note for each that was guessed."""
-    typed = _typed(prompt)
+    typed = _joined(_typed(prompt))
     eastern = ("Japanese", "Chinese") if _KANA.search(typed) else ("Chinese", "Japanese")
     tokens = [part for token in _TOKEN.findall(typed) for part in (_segmented(token, eastern) if _is_eastern(token) else [token])]
     language = language_of(tokens)
@@ -64,6 +71,13 @@ def words(prompt: str) -> tuple[list[Word], list[str]]:
         notes += [guess] if guess else []
         del tokens[:count]
     return read, notes
+
+
+def abroad(prompt: str) -> bool:
+    """Whether a prompt is in a language that no table has, as its letters or small words say: in it a plaster may be honeycomb."""
+    typed = _typed(prompt)
+    words = re.findall(r"[^\W\d_]{2,}", typed)
+    return _ABROAD.search(typed) is not None or any(set(word) - _LETTERS and not _is_eastern(word) for word in words)
 
 
 def quoted(texts: Iterable[str]) -> str:
@@ -83,6 +97,17 @@ def _typed(text: str) -> str:
     plain = re.sub(r"(?<=\d)(?:in\b|\s*[\"″])", " inch", plain)  # 2in: two words would be "2", "inside"
     plain = re.sub(r"(?<=\d),(?=\d+\s*(?:mm|cm|milli|centi|毫米|ミリ))", ".", plain)  # a decimal comma
     return re.sub(r"[- ]ish\b", "", plain).replace("・", "")
+
+
+def _joined(typed: str) -> str:
+    """A prompt with those words written as one whose hyphen stands after a letter or beside what is no word: a U-Boot is no boot."""
+
+    def one(found: re.Match[str]) -> str:
+        parts = found[0].split("-")
+        strange = (part for part in parts if not _english(part) and not any(_known(part, language) for language in ("", *LANGUAGES[:5])))
+        return "".join(parts) if len(parts[0]) == 1 or any(strange) else found[0]
+
+    return re.sub(rf"[^\W\d_{_EAST}]+(?:-[^\W\d_{_EAST}]+)+", one, typed)
 
 
 def _is_eastern(token: str) -> bool:
@@ -136,7 +161,7 @@ def _dictionary(language: str) -> Mapping[str, str]:
     bare: dict[str, str] = {}
     for word, means in words_of(language).items():
         written[_typed(word)] = means
-        bare[_bare(_typed(word))] = means
+        bare[_typed(word) if language == "German" else _bare(_typed(word))] = means  # "koper" is Dutch for copper, and no Köper
         bare[_bare(re.sub("([äöü])", r"\1e", word.casefold()))] = means  # ä written as ae
     known = meanings() | {english.NEGATED_BEFORE}
     return {word: means for word, means in (bare | written).items() if means in known}

@@ -192,7 +192,7 @@ def test_unknown_suffixes_are_refused_with_the_known_ones(tmp_path, name):
 
 def test_a_folder_is_refused(tmp_path):
     (tmp_path / "part.stl").mkdir()
-    assert "is not a file" in refusal(tmp_path / "part.stl")
+    assert "is a folder, not a file" in refusal(tmp_path / "part.stl")
 
 
 def test_a_file_that_cannot_be_opened_is_refused(tmp_path, monkeypatch):

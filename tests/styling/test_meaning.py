@@ -1,6 +1,7 @@
 """Words that no table has, by their meaning: only where an encoder is, only where it is sure, and never over what the reader knows."""
 
 import sys
+from importlib.util import find_spec
 from types import SimpleNamespace
 
 import numpy as np
@@ -9,11 +10,14 @@ import pytest
 from mechstyle.errors import BadInput
 from mechstyle.runs.recipes import draft
 from mechstyle.styling import meaning
+from mechstyle.styling import prompt as reader
 from mechstyle.styling.prompt import read, suggestions
 
-AXES = {"brick": 0, "moss": 1, "waves": 2}
+ENCODER = find_spec(meaning.MODULE)  # before the tables are tested without it
+AXES = {"brick": 0, "moss": 1, "waves": 2, "rombos": 3}
 LIKENESS = {
     "кирпичная стена": ("brick", 0.95),
+    "ромбы": ("rombos", 0.95),
     "мох": ("moss", 0.9),
     "океан": ("waves", 0.5),
     "brik": ("moss", 0.99),
@@ -22,12 +26,12 @@ LIKENESS = {
 
 
 def encode(texts):
-    """A sentence encoder in three dimensions and one for all other texts."""
-    vectors = np.zeros((len(texts), 5))
+    """A sentence encoder in four dimensions and one for all other texts."""
+    vectors = np.zeros((len(texts), 6))
     for vector, text in zip(vectors, texts, strict=True):
         word, likeness = (text, 1.0) if text in AXES else LIKENESS.get(text, ("", 0.0))
-        vector[AXES.get(word, 3 if text in LIKENESS else 4)] = likeness
-        vector[3] += np.sqrt(1.0 - likeness**2) if text in LIKENESS else 0.0
+        vector[AXES.get(word, 4 if text in LIKENESS else 5)] = likeness
+        vector[4] += np.sqrt(1.0 - likeness**2) if text in LIKENESS else 0.0
     return vectors
 
 
@@ -65,6 +69,45 @@ def test_what_the_reader_knows_is_never_overruled():
     assert [wish.style for wish in read("qwerty brick").wishes] == ["brick"]
     with pytest.raises(BadInput, match="only what is not"):
         read("not brick")
+
+
+def test_between_two_styles_as_near_as_each_other_people_choose(monkeypatch):
+    for module in (meaning, reader):
+        monkeypatch.setattr(module, "nearest", lambda _: {"wood": 0.92, "bark": 0.91, "cork": 0.5})
+    with pytest.raises(BadInput, match="try 'wood', 'bark', 'cork'"):
+        read("kora drzewa")
+
+
+@pytest.mark.usefixtures("encoder")
+def test_a_word_is_compared_with_those_of_every_language():
+    assert meaning.sure("ромбы") == "knurling"  # as rombos are, of the Spanish column
+
+
+@pytest.mark.usefixtures("encoder")
+def test_what_the_words_of_the_tables_mean_in_a_language_without_one_is_no_guess():
+    for typed in ("marmer met gouden aderen", "gouden tegel voor mij"):
+        with pytest.raises(BadInput, match="no style"):
+            read(typed)
+    assert [wish.style for wish in read("brick voor mijn oma").wishes] == ["brick"]
+
+
+@pytest.mark.usefixtures("encoder")
+def test_embeddings_are_kept_and_a_damaged_file_is_made_again(tmp_path, monkeypatch):
+    monkeypatch.setenv("MECHSTYLE_CACHE", str(tmp_path))
+    first = meaning.nearest("мох")
+    (kept,) = tmp_path.glob("*.npy")
+    kept.write_bytes(kept.read_bytes()[:100])
+    meaning._known.cache_clear()
+    assert meaning.nearest("мох") == pytest.approx(first, abs=1e-3)
+    assert len(np.load(kept)) == len(meaning._known()[0])
+
+
+@pytest.mark.skipif(ENCODER is None, reason="the encoder of the extra `words` is not installed: nothing is measured")
+def test_with_the_real_encoder_plain_words_of_other_languages_are_right_or_offered(monkeypatch):
+    monkeypatch.delitem(sys.modules, meaning.MODULE)
+    for words, style in (("шахматная доска", "checkers"), ("벽돌 벽", "brick"), ("romby", "knurling"), ("шахматы", "checkers")):
+        assert style in [*meaning.nearest(words)][:3]
+    assert meaning.sure("벽돌 벽") == "brick"
 
 
 def test_without_an_encoder_the_words_are_refused():

@@ -218,3 +218,16 @@ def test_the_tables_name_styles_of_the_library_and_colours():
     assert {name for near in english().values() for name in near} <= set(names())
     tints = {colour for _, row in STYLES for colour in row.value.partition(" ")[2].split("/") if colour}
     assert tints <= COLOURS.keys()
+
+
+def test_a_hyphen_joins_what_is_no_word_alone():
+    for prompt in ("U-Boot", "sous-marin"):  # no boot, and nothing of that blue
+        with pytest.raises(BadInput, match="names no style"):
+            read(prompt)
+    assert only("a moss-covered wall")[0].style == "moss"
+
+
+def test_a_word_without_its_dots_is_no_german_one():
+    with pytest.raises(BadInput):
+        read("koper")  # Dutch for copper; Köper is twill
+    assert only("Köper")[0].style == only("Koeper")[0].style == "twill"

@@ -31,6 +31,7 @@ from typing import Any
 
 import msgspec
 import numpy as np
+import trimesh
 
 from mechstyle.errors import MechStyleError
 from mechstyle.gallery import load
@@ -44,6 +45,7 @@ from mechstyle.runs.run import Run
 from mechstyle.styling.prompt import read as read_prompt
 from support import gltf_files, part_files, slicer_files
 from support.lanes import lane_on_a_sheet
+from support.step_file import box_step
 
 SECONDS = 20
 """CPU time after which a case hangs."""
@@ -131,6 +133,19 @@ def several(*boxes: tuple[str, tuple[float, ...], tuple[float, ...]]) -> bytes:
     return slicer_files.named_obj("o", [(name, (size, place)) for name, size, place in boxes])
 
 
+def exported_mesh(mesh: trimesh.Trimesh) -> bytes:
+    """A mesh as STL."""
+    return bytes(mesh.export(file_type="stl"))
+
+
+def _zip_of(name: str, content: bytes) -> bytes:
+    """An archive of one file."""
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w") as archive:
+        archive.writestr(name, content)
+    return buffer.getvalue()
+
+
 PLATE = "plate", (40, 30, 3), (0, 0, 0)
 BOXES = ("box", slicer_files.PLATE), ("lid", slicer_files.BESIDE)
 OF_SLICERS: dict[str, Callable[[], bytes]] = {
@@ -148,6 +163,17 @@ OTHERS: dict[str, Callable[[], bytes]] = {
     "groups.obj": lambda: slicer_files.named_obj("g", BOXES),
     "solids.stl": lambda: slicer_files.named_stl(BOXES),
     "thin.obj": lambda: several(("floor", (24, 24, 0.2), (0, 0, 0)), ("wall", (24, 0.2, 30), (0, 0, 0))),
+    "touching.obj": lambda: several(("half", (20, 20, 20), (0, 0, 0)), ("half", (20, 20, 20), (20, 0, 0))),
+    "nearly.obj": lambda: several(("half", (20, 20, 20), (0, 0, 0)), ("half", (20, 20, 20), (20.01, 0, 0))),
+    "edge.obj": lambda: several(("half", (20, 20, 20), (0, 0, 0)), ("half", (20, 20, 20), (20, 20, 0))),
+    "tube.stl": lambda: exported_mesh(trimesh.creation.annulus(r_min=9, r_max=12, height=30)),
+    "end loop.stl": lambda: part_files.exported("stl_ascii").replace(b"endloop", b"end loop"),
+    "comma.obj": lambda: part_files.exported("obj").replace(b".", b","),
+    "zipped.stl": lambda: _zip_of("things/part.stl", part_files.exported("stl")),
+    "renamed.stl": lambda: part_files.exported("ply"),
+    "pointer.stl": lambda: b"version https://git-lfs.github.com/spec/v1\noid sha256:" + b"0" * 64 + b"\nsize 12345\n",
+    "page.obj": lambda: b"<!DOCTYPE html>\n<html><title>Log in</title></html>",
+    "box.step": lambda: box_step((40.0, 30.0, 20.0)).encode(),
     "quantised.glb": gltf_files.quantised,
     "sparse.glb": gltf_files.sparse,
     "alone.glb": lambda: gltf_files.sparse(based=False),

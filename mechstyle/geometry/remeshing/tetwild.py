@@ -8,9 +8,7 @@ from __future__ import annotations
 
 import contextlib
 import ctypes
-import faulthandler
 import math
-import os
 import shutil
 import signal
 import subprocess
@@ -27,12 +25,10 @@ from numpy.typing import NDArray
 
 from mechstyle.errors import SimulationFailed
 from mechstyle.geometry.cancelling import CancelCheck, never_cancel
+from mechstyle.geometry.worker import importable, limit_processor_time, out_of_time
 from mechstyle.records.mesh import Floats
 
 LOOK = 0.2  # seconds between two looks whether to go on
-PATIENCE = 20.0
-"""On Windows, which limits no processor time, the clock may run on for so many times that limit."""
-
 FOLDER = "mechstyle-mesh-"
 """How the temporary folders of workers are called."""
 ABANDONED = 86400.0
@@ -74,7 +70,7 @@ def tetwild(
         np.savez(request, vertices=vertices, faces=faces, processor=timeout, **settings._asdict())
         command = [sys.executable, "-m", "mechstyle.geometry.remeshing.tetwild", str(request), str(answer)]
         done = _ended(command, folder, go_on)
-        if hasattr(signal, "SIGXCPU") and done.returncode == -signal.SIGXCPU:
+        if out_of_time(done.returncode):
             spent = f"{timeout:.0f} s of processor time"
             raise SimulationFailed(f"fTetWild was stopped after {spent} without a mesh; the part may have walls or details too fine for it")
         if done.returncode != 0:
@@ -93,7 +89,7 @@ def tetwild(
 def _ended(command: list[str], folder: Path, go_on: CancelCheck) -> subprocess.CompletedProcess[bytes]:
     """As `subprocess.run`, asking now and then whether to go on."""
     with subprocess.Popen(  # noqa: S603 (this very interpreter, fixed arguments)
-        command, cwd=folder, env=_environment(), stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE
+        command, cwd=folder, env=importable(), stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE
     ) as process:
         try:
             while True:
@@ -106,12 +102,6 @@ def _ended(command: list[str], folder: Path, go_on: CancelCheck) -> subprocess.C
             raise
 
 
-def _environment() -> dict[str, str]:
-    """The environment with this package importable from another folder."""
-    paths = [str(Path(__file__).resolve().parents[3]), *filter(None, [os.environ.get("PYTHONPATH")])]
-    return {**os.environ, "PYTHONPATH": os.pathsep.join(paths)}
-
-
 def main(request: str, answer: str) -> None:
     """The other process: fill the surface in the file `request` with the settings in it; write vertices and tets to the file `answer`.
 
@@ -120,7 +110,7 @@ def main(request: str, answer: str) -> None:
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
     with np.load(request, allow_pickle=False) as asked:
-        _limit_processor_time(math.ceil(asked["processor"]))
+        limit_processor_time(math.ceil(asked["processor"]))
         # The package imports pyvista, and with it VTK, for functions that are not used here: an empty module will do.
         sys.modules.setdefault("pyvista", types.ModuleType("pyvista"))
         from pytetwild.pytetwild import tetrahedralize  # noqa: PLC0415 (the stand-in must be there first)
@@ -130,18 +120,6 @@ def main(request: str, answer: str) -> None:
             stop_energy=float(asked["stop_energy"]), num_opt_iter=int(asked["iterations"]), simplify=False, num_threads=1, quiet=True,
         )  # fmt: skip
     np.savez(answer, vertices=vertices, tets=tets)
-
-
-def _limit_processor_time(seconds: int) -> None:
-    """Have the system end this process by SIGXCPU when it has computed for so long [s]; on Windows a C thread does, by the clock."""
-    if sys.platform == "win32":
-        faulthandler.dump_traceback_later(PATIENCE * seconds, exit=True)
-    else:
-        import resource  # noqa: PLC0415 (not there on Windows)
-
-        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-        _, most = resource.getrlimit(resource.RLIMIT_CPU)
-        resource.setrlimit(resource.RLIMIT_CPU, (seconds if most == resource.RLIM_INFINITY else min(seconds, most), most))
 
 
 if __name__ == "__main__":

@@ -16,6 +16,7 @@ from mechstyle.errors import SimulationFailed
 from mechstyle.geometry.remeshing import tetwild as module
 from mechstyle.geometry.remeshing.evening import surface_of
 from mechstyle.geometry.remeshing.tetwild import Settings, tetwild
+from mechstyle.geometry.worker import importable
 from mechstyle.records.mesh import TetMesh
 
 
@@ -104,9 +105,9 @@ def test_where_a_system_has_no_signal_for_that_a_mesh_is_a_mesh(box, monkeypatch
 def test_a_limit_that_is_set_already_is_not_asked_to_be_raised():
     """A cluster's own limit for its users; asking for more than that ended every worker."""
     script = "import resource; resource.setrlimit(resource.RLIMIT_CPU, (60, 60)); "
-    script += "from mechstyle.geometry.remeshing.tetwild import _limit_processor_time; _limit_processor_time(300); "
+    script += "from mechstyle.geometry.worker import limit_processor_time; limit_processor_time(300); "
     script += "print(resource.getrlimit(resource.RLIMIT_CPU))"
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False, env=module._environment())
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False, env=importable())
     assert done.stdout.strip() == "(60, 60)", done.stderr
 
 
