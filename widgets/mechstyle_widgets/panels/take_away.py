@@ -73,7 +73,8 @@ class TakeAway(Section):
         """Nothing is to take before there is an iteration; where what is asked for is another, the button names whose file it is."""
         state, shown = self.state, on_show(self.state)
         show(self, state.checkpoint is not None)
-        self.main.description = word("3MF of {}").format(state.title) if state.another else "3MF"
+        name = word("3MF of {}").format(state.title) if state.another else "3MF"
+        self.main.description = word("{}, take it anyway").format(name) if shown is not None and shown.fails else name
         for name, button in self._buttons.items():
             whose = "" if shown is None else f": {shown.caption}"
             button.tooltip = self._tooltips[name] + whose
