@@ -54,9 +54,9 @@ class Orbit:
         self.controls.append(pythreejs.OrbitControls(controlling=self.three))
         return self.controls[-1]
 
-    def follow(self, mesh: SurfaceMesh) -> None:
-        """Take it that the part looks so now: that is what is fitted into view."""
-        self._points = np.concatenate([mesh.vertices, self._floor])
+    def follow(self, mesh: SurfaceMesh, above: float = 0.0) -> None:
+        """Take it that the part looks so now, and goes so far up [mm]: that is what is fitted into view."""
+        self._points = np.concatenate([mesh.vertices, mesh.vertices + np.array([0.0, 0.0, above]), self._floor])
 
     def fit(self, view: str = "") -> None:
         """Bring the whole part into view, from one of `VIEWS` or from where one looks now."""

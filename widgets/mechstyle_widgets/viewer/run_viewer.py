@@ -255,9 +255,9 @@ class RunViewer(Linked, Viewer):
         if change["new"] is not None:
             self._before = self._before if shown == MOMENT else shown
             self.layer = MOMENT
-        turned = (change["new"] or change["old"]).normal != UP
-        if turned:  # it does not stand where it stood
-            self._orbit.follow(self.subject.mesh)
+        falls = change["new"] is not None
+        if falls or change["old"].normal != UP:  # it does not stand where it stood
+            self._orbit.follow(self.subject.mesh, self.player.highest(self._still.mesh.size) if falls else 0.0)
             self.fit()
         if change["new"] is None and shown == MOMENT and self.subject.layer(self._before):
             self.layer = self._before

@@ -1,7 +1,7 @@
 // What only the page knows of a Studio: how much room it has, whether the theme is dark, which key was pressed, the whole screen;
 // and what only a page can do: hand a file over.
 
-const LEAST = 320, BELOW = 52; // least height of a view in the full window, and what it leaves for the head of the timeline [px]
+const LEAST = 320, BELOW = 52; // least height of a view in the full window, and what it leaves for the head of the timeline under its scale [px]
 const QUIET = 120; // a size counts when it has stood still for so long [ms]
 const IN_VIEW = ["+", "-", "=", "Home", "Enter", "PageUp", "PageDown"], ANYWHERE = [..."rn.>c123456amxoliwpzy"];
 const ROOTS = ".mechstyle-studio, .mechstyle-alone";
@@ -161,7 +161,8 @@ function tell(model, root, stage) {
   let height = Math.min(Math.max(360, 0.51 * width), 560);
   if (root.matches(".mechstyle-window")) {
     const top = (stage.querySelector("canvas") ?? stage).getBoundingClientRect().top + stage.parentElement.scrollTop;
-    height = Math.max(LEAST, root.clientHeight - top - BELOW);
+    const under = [".mechstyle-under", ".mechstyle-moments"].reduce((sum, one) => sum + (stage.querySelector(one)?.offsetHeight ?? 0), 0);
+    height = Math.max(LEAST, root.clientHeight - top - under - BELOW);
   }
   model.set("size", [width, Math.round(height)]);
   model.save_changes();
