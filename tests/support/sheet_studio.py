@@ -50,5 +50,5 @@ def without_physics(patch: pytest.MonkeyPatch) -> None:
     patch.setattr("mechstyle.simulation.strengthen.refilled", lambda part, *_: part)  # a sheet cannot be meshed
     patch.setattr(PartRecord, "droppable", staticmethod(lambda part, _file: part))  # nor does it enclose anything
     patch.setattr(impact_player, "impact_of", impact_of)
-    patch.setattr(Run, "export", lambda run, path, iteration=None, **_: save(run.surface(iteration), path))  # nor has it a volume
+    patch.setattr(Run, "exported", lambda run, path, iteration=None, **_: save(run.surface(iteration), path))  # nor has it a volume
     patch.setattr("mechstyle_widgets.panels.mask_inspector._freedom", lambda run, _recipe: np.ones_like(run.part.thickness))

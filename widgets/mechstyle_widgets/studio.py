@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import math
 from collections.abc import Callable, Mapping
 from functools import partial
@@ -28,7 +29,7 @@ from mechstyle.simulation.estimate import estimated, landings_on_the_way, plan_o
 from mechstyle.teaching import STYLE, trophy
 from mechstyle_widgets.jupyter.cell_output import OncePerCell
 from mechstyle_widgets.jupyter.frame import Frame
-from mechstyle_widgets.jupyter.language import speak
+from mechstyle_widgets.jupyter.language import speak, word
 from mechstyle_widgets.jupyter.looks import close_family, lean, sharing, show, stacked, unheard
 from mechstyle_widgets.panels.branches import Branches
 from mechstyle_widgets.panels.keys import Keys
@@ -64,6 +65,10 @@ OPEN = ("Part", "Style")
 ASKED = 2
 """The tab that tells what is known of the place that was clicked."""
 SECTIONS = (PromptBox, MaterialPicker, ControlSelector, ScheduleSelector, RegionsPicker, DropOptions)
+INSTEAD = {"quick": "ask for fewer vertices instead, such as vertices=4000", "out": "name its folder instead, folder='runs/cup'"}
+"""What is asked for in the Studio where `ms.stylize` has another name."""
+ENDINGS = {"finished": "The run of {} is finished.", "failed": "The run of {} has stopped by an error."}
+"""What the browser says of a run that nobody watched, by what became of it."""
 SHOWN = {field for section in SECTIONS for field in section.FIELDS}
 OF_A_PART = ("relief", "amplitude", "side", "feature", "image_size", "protect", "loads", "minimum_wall", "strengthen")
 """Fields of a recipe that are meant for one part: lengths on it and places of it."""
@@ -95,7 +100,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
     @sharing()
     def __init__(
         self, part: str | Path | SurfaceMesh | Run | None = None, *,
-        theme: str = "auto", language: str = "en", filled: bool = False, **settings: Any,
+        theme: str = "auto", language: str | None = None, filled: bool = False, **settings: Any,
     ) -> None:  # fmt: skip
         """Open a part, or a run that was made before. The Studio is as wide as its cell.
 
@@ -103,14 +108,16 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
             part: `gallery:NAME`, a file, a surface, a run, or a run directory, which may be written DIR@LANE; None for the trophy
                 of the lessons, in their style, and without any setting for a finished run of it beside Freestyle.
             theme: `light` or `dark`, or `auto`, which follows the notebook's.
-            language: What its controls are called in: `en` or `de`; of all Studios of this kernel that are made from now on.
+            language: What its controls are called in: `en` or `de`; None for that of the Studios before it, English at first. All
+                Studios of a kernel speak one.
             filled: Whether it fills the window from the beginning on.
             settings: Any of `prompt`, `material`, `freestyle`, `vertices`, `device`, `folder`, `scale`, and settings of a recipe.
 
         Raises:
             BadInput: If the part or a setting cannot be used, in one sentence.
         """
-        speak(language)
+        if language is not None:
+            speak(language)
         shown, lesson = part is None and not settings, part is None
         if shown:
             part = opening()
@@ -157,6 +164,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self.frame.observe(self._relight, "dark")
         self.frame.on_key("view", self._heard(lambda key, **held: self._viewer.key(key, **held) if self._viewer is not None else None))
         self.frame.on_key("studio", self._heard(Keys(self)))
+        self.frame.on_file(self._heard(self.part_picker.take_file))
         self.state.observe(self._other_run, "run")
         self.state.observe(self._another_checkpoint, "checkpoint")
         self.part_picker.observe(self._other_part, "mesh")
@@ -269,7 +277,10 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
             elif name in UNSEEN:
                 self._unseen[name] = value
             else:
-                raise BadInput(f"the Studio has no setting {name!r}: known are {', '.join(sorted({*UNSEEN, *self._owners}))}")
+                known = sorted({*UNSEEN, *self._owners})
+                near = difflib.get_close_matches(name, known, n=1, cutoff=0.5)
+                hint = f"did you mean {near[0]!r}?" if near else "docs/studio.md and `help(Studio)` name those it has"
+                raise BadInput(f"the Studio has no setting {name!r}: {INSTEAD.get(name, hint)}")
 
     @property
     def _chosen(self) -> dict[str, Any]:
@@ -577,6 +588,8 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
             self._lead_to_worst()
         if self.state.status in (*AT_REST, "paused"):
             self.renew_still()
+        if self.state.status in ENDINGS and self.state.session is not None:
+            self.frame.tell(word(ENDINGS[self.state.status]).format(self.state.title))
 
     def _lead_to_worst(self) -> None:
         if isinstance(self._viewer, RunViewer):

@@ -59,6 +59,7 @@ function initialize({ model }) {
   recover(model.widget_manager);
   model.on("msg:custom", (message, buffers) => {
     if (message.kind === "text") navigator.clipboard?.writeText(message.text).catch(() => {}); // the page shows it as well
+    if (message.kind === "news" && document.hidden && globalThis.Notification?.permission === "granted") new Notification(message.text);
     if (message.kind !== "file") return;
     const address = URL.createObjectURL(new Blob(buffers, { type: message.type }));
     const link = Object.assign(document.createElement("a"), { href: address, download: message.name });
@@ -105,6 +106,10 @@ function render({ model, el }) {
     watch(new ResizeObserver(measure), stage);
     undo.push(() => clearTimeout(timer));
     listen(root, "mechstyle-full", measure);
+    takeFiles(model, stage, listen);
+    listen(root.querySelector(".mechstyle-run"), "click", () => { // a long run may end while nobody looks
+      if (globalThis.Notification?.permission === "default") Notification.requestPermission();
+    });
     const light = () => {
       model.set("dark", document.body.dataset.jpThemeLight ? document.body.dataset.jpThemeLight === "false" : matchMedia("(prefers-color-scheme: dark)").matches);
       model.set("calm", matchMedia("(prefers-reduced-motion: reduce)").matches);
@@ -153,6 +158,23 @@ function holdFocus(root, listen, watch) {
     root.focus({ preventScroll: true });
   };
   watch(new MutationObserver(keep), root, { childList: true, subtree: true, attributes: true, attributeFilter: ["disabled"] });
+}
+
+// A file that is dropped on the view is the part from then on; anywhere else the page would go to it.
+function takeFiles(model, stage, listen) {
+  const over = (on) => (event) => {
+    if (![...event.dataTransfer.types].includes("Files")) return;
+    event.preventDefault();
+    event.stopPropagation();
+    stage.classList.toggle("mechstyle-drop", on);
+  };
+  listen(stage, "dragover", over(true));
+  listen(stage, "dragleave", over(false));
+  listen(stage, "drop", async (event) => {
+    over(false)(event);
+    const [file] = event.dataTransfer.files;
+    if (file) model.send({ kind: "dropped", name: file.name }, undefined, [await file.arrayBuffer()]);
+  });
 }
 
 function tell(model, root, stage) {
