@@ -394,8 +394,8 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         opened = mesh is self._opened_mesh and run.store.place == self._opened_place
         if (not opened and self.controller.began_with(mesh) is None) or self._looks_otherwise():
             return False
+        self.previewer.cancel()  # a part is there before its run: a style would be drawn that nobody sees
         if not isinstance(self._viewer, RunViewer):
-            self.previewer.cancel()
             self._show_run()
         return True
 
