@@ -19,6 +19,10 @@ class MechStyleError(Exception):
         no-such-part.stl does not exist; check the path
     """
 
+    def _render_traceback_(self) -> list[str]:
+        """What a notebook shows: the sentence alone, as the place in our code helps nobody."""
+        return [f"{type(self).__name__}: {self}"]
+
 
 class BadInput(MechStyleError):
     """A file or a value that cannot be used as it is.

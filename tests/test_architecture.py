@@ -248,7 +248,7 @@ def test_no_file_names_a_package_registry_or_a_place_on_somebodys_machine():
     hosts = r"\b(?:pypi|pythonhosted|npmjs|unpkg|jsdelivr|anaconda|debian)\.(?:org|com|net)\b"
     forbidden = re.compile(hosts + r"|(?<![\w.:/])/(?:home|root|work)/\w")
     for path in TRACKED:
-        if path.is_file() and path.suffix not in {".gif", ".png", ".stl", ".npz", ".3mf", ".zip", ".parquet"}:
+        if path.is_file() and path.suffix not in {".gif", ".png", ".stl", ".npz", ".3mf", ".zip", ".xz", ".parquet"}:
             found = forbidden.search(path.read_text(encoding="utf-8"))
             assert found is None, f"{named(path)}: {found[0]}"
 

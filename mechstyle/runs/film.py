@@ -22,14 +22,12 @@ from mechstyle.pictures.visibility import visible
 from mechstyle.records import Simulation, sentences
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.runs.run import Run
-from mechstyle.simulation.impact import Impact, impact_of
+from mechstyle.simulation.impact import AIR, FALLING, Impact, heights, impact_of
 
 MOST = 4
 """Runs of a film: more are too narrow to see on a wall."""
-FALLING, PAUSE = 7, 2500
-"""Frames before first touch, and how long the last frame stays [ms]."""
-AIR = 0.22
-"""Height of the part in the first frame, over its size."""
+PAUSE = 2500
+"""How long the last frame stays [ms]."""
 BENT, STAYS = 0.05, 0.1
 """Largest deformation that is drawn on the way and in the end, over the size of the part: what really happens is too small to see."""
 BAND, BAR, EDGE = 30, 58, 12
@@ -138,10 +136,10 @@ def _frames(scenes: Sequence[Scene], strength: float, count: int, size: int, pro
     camera = Camera.fitted(cloud, AZIMUTH, 0.0, aspect=size / tall)
     on_the_way = _exaggerated(scenes, span * BENT, lambda impact: impact.peak)
     in_the_end = max(on_the_way, _exaggerated(scenes, span * STAYS, lambda impact: impact.end))
-    pictures = []
+    pictures, air = [], heights(span, np.inf)
     for number in range(FALLING + count):
         time = None if number < FALLING else float(moments[number - FALLING])
-        above = AIR * span * (1.0 - number / FALLING) if time is None else 0.0
+        above = float(air[number]) if time is None else 0.0
         final = number == FALLING + count - 1
         factor = in_the_end if final else on_the_way
         page = Image.new("RGB", (len(scenes) * (size + EDGE) + EDGE, BAND + tall + BAR), PAPER)
@@ -170,7 +168,7 @@ def _drawn(
     impact, surface = scene.impact, scene.surface
     frame = 0 if time is None else int(np.searchsorted(impact.time, time, side="right")) - 1
     stress = np.zeros(len(surface.vertices), np.float32) if time is None else impact.stress[: frame + 1].max(axis=0)
-    shape = surface.moved(surface.vertices + UP * above) if time is None else impact.shape(surface, frame, factor)
+    shape = impact.falling(surface, above) if time is None else impact.shape(surface, frame, factor)
     picture = render(shape, camera=camera, width=size[0], height=size[1], field=Field(stress, scale), supersampling=2)
     empty = visible(camera.project(shape.vertices), shape.faces, *size).face < 0
     reach = 4.0 * float(np.ptp(surface.vertices, axis=0).max())

@@ -20,6 +20,14 @@ from mechstyle.simulation.physics import PHYSICS_VERSION, memo_key, physics, pre
 from mechstyle.simulation.printed import printed_body
 from mechstyle.simulation.simulator import DropSimulator
 
+FALLING, AIR = 7, 0.22
+"""Frames of a film before first touch, and the height of the part in the first of them, over its size: of a fall only the end is drawn."""
+
+
+def heights(size: float, fall: float) -> NDArray[np.float64]:
+    """Height above the floor in each frame before first touch [mm], shape [FALLING], of a part so large that falls so far [mm]."""
+    return np.asarray(min(AIR * size, fall) * (1.0 - np.arange(FALLING) / FALLING))
+
 
 @dataclass(frozen=True, eq=False)
 class Impact:
@@ -57,6 +65,10 @@ class Impact:
             exaggeration: Factor on what is left of the displacement once the rigid motion nearest to it is taken out.
         """
         return mesh.moved(self.motion(mesh.vertices, frame).moved(mesh.vertices, exaggeration))
+
+    def falling(self, mesh: SurfaceMesh, above: float) -> SurfaceMesh:
+        """The part before first touch, turned as it lands, at a height above the floor [mm]."""
+        return mesh.moved(self.shape(mesh, 0).vertices + np.array([0.0, 0.0, above]))
 
     def motion(self, before: Floats, frame: int) -> Motion:
         """How points [mm], shape [n, 3], have moved since first touch, in a frame in which the floor is level and as high as they stood."""

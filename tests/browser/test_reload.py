@@ -41,7 +41,7 @@ studio.prompt_box.prompt = 'knit'
 @pytest.fixture(scope="module")
 def both(notebook):
     """Two views of one Studio, on show and saved."""
-    notebook.open("from mechstyle_widgets import Studio\nstudio = Studio()\nstudio", "studio")
+    notebook.open("from mechstyle_widgets import Studio\nstudio = Studio(prompt='brick')\nstudio", "studio")
     notebook.drawn(1)
     # The list is answered while a preview is drawn (tests/widgets/jupyter/test_one_thread.py), which may close what it names.
     notebook.page.get_by_text(PREVIEWED).first.wait_for()

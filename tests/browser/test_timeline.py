@@ -50,8 +50,8 @@ def test_a_click_on_a_simulation_shows_that_iteration(shown):
 
 def test_hovering_tells_why_it_was_simulated(shown):
     shown.page.mouse.move(*shown.page.evaluate(PLACE, ["yaxis", 8, "main"]))
-    told = shown.page.locator(".mechstyle-timeline .hoverlayer")
-    told.get_by_text("simulated because").first.wait_for()
+    told = shown.page.locator(".mechstyle-timeline .mechstyle-told")
+    told.get_by_text("tested after step 8").wait_for()
     assert "iteration 8" in told.text_content()
     shown.keep("timeline-hover")
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from mechstyle.simulation.impact import FALLING
+
 pytestmark = pytest.mark.browser
 
 
@@ -43,6 +45,24 @@ def test_a_layer_chosen_with_the_mouse_paints_the_part(shown):
     shown.until("(viewer.layer, state.layer)", "('stress', 'stress')")
     assert "von Mises stress at the surface [MPa]" in shown.page.locator(".mechstyle-viewer").inner_text()
     shown.keep("viewer-stress")
+
+
+def test_low_stress_has_the_colour_of_the_bar(shown):
+    """It was olive-black between the facets, a colour that is not on the scale."""
+    shown.python(
+        "import numpy as np; from dataclasses import replace; from mechstyle._colour import linear_to_srgb;"
+        "s = viewer.subject.layer('stress'); before = viewer.drawings;"
+        "viewer.markers = False; viewer.put(replace(s, values=np.full(len(s.values), 0.1 * s.limits[1])))"
+    )
+    shown.until("viewer.drawings > before", True)
+    pixels = shown.pixels(shown.canvas()).reshape(-1, 3).astype(float)
+    bar = np.array(eval(shown.python("print((255 * linear_to_srgb(s.scale.colours(np.array([0.1 * s.limits[1]])))[0]).tolist())")))
+    part = pixels[np.ptp(pixels, axis=1) > 0.5 * np.ptp(bar)]  # the ground is grey
+    assert len(part) > 0.03 * len(pixels)
+    hue = np.median(part / part.max(axis=1, keepdims=True), axis=0)
+    assert np.abs(hue - bar / bar.max()).max() < 0.08
+    assert np.median(part.max(axis=1)) > 0.7 * bar.max()
+    shown.python("viewer.markers = True; viewer.put(s)")
 
 
 def test_the_limit_is_outlined_and_hatched_above(shown):
@@ -98,7 +118,8 @@ def test_the_impact_can_be_watched_and_exaggerated(shown):
     shown.keep("viewer-impact-peak")
     shown.page.locator(".mechstyle-viewer .noUi-handle:visible").first.focus()
     shown.page.keyboard.press("Home")
-    for _ in range(4):
+    shown.until("viewer.player.frame", -FALLING)
+    for _ in range(FALLING + 4):
         shown.page.keyboard.press("ArrowRight")
     shown.until("viewer.player.frame", 4)
     early = shown.changed(shown.canvas(), before, 0.05)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -43,6 +45,11 @@ def impact_of(_simulator, simulation, _landing, _progress) -> Impact:
     return Impact(np.linspace(0.0, 1.0, 3), np.zeros((3, count, 3), np.float32), np.ones((3, count), np.float32))
 
 
+def exported(run: Run, path, iteration=None, **_) -> SimpleNamespace:
+    save(run.surface(iteration), path)
+    return SimpleNamespace(warnings=())
+
+
 def without_physics(patch: pytest.MonkeyPatch) -> None:
     """Let no run of a Studio mesh, draw or drop anything."""
     patch.setattr(Run, "events", lambda run, _progress: engine_of(run).run())
@@ -50,5 +57,5 @@ def without_physics(patch: pytest.MonkeyPatch) -> None:
     patch.setattr("mechstyle.simulation.strengthen.refilled", lambda part, *_: part)  # a sheet cannot be meshed
     patch.setattr(PartRecord, "droppable", staticmethod(lambda part, _file: part))  # nor does it enclose anything
     patch.setattr(impact_player, "impact_of", impact_of)
-    patch.setattr(Run, "export", lambda run, path, iteration=None, **_: save(run.surface(iteration), path))  # nor has it a volume
+    patch.setattr(Run, "exported", exported)  # nor has it a volume
     patch.setattr("mechstyle_widgets.panels.mask_inspector._freedom", lambda run, _recipe: np.ones_like(run.part.thickness))

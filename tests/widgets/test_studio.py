@@ -5,6 +5,7 @@ import pytest
 
 from mechstyle import teaching
 from mechstyle.errors import BadInput
+from mechstyle.geometry.files import save
 from mechstyle.records.load_cases import Load, LoadCase, Support
 from mechstyle.records.recipe import DEFAULTS
 from mechstyle.records.regions import regions
@@ -13,6 +14,7 @@ from mechstyle.runs.run import Run
 from mechstyle.runs.stylizers import FinishedStyle
 from mechstyle.simulation.part import Shape
 from mechstyle_widgets.jupyter.cell_output import OncePerCell
+from mechstyle_widgets.jupyter.language import speak
 from mechstyle_widgets.settings.drop import SIZES
 from mechstyle_widgets.state.preview import Preview, Previewer
 from mechstyle_widgets.studio import OF_A_PART, Studio
@@ -107,9 +109,48 @@ def test_freestyle_brings_its_preset():
     assert recipe.settings.items() >= {"control": "none", "schedule": "never", "guarantee": False, "iterations": 50}.items()
 
 
-def test_an_unknown_setting_is_refused_with_the_known_ones():
-    with pytest.raises(BadInput, match="has no setting 'colour': known are amplitude, base, build_direction, clip, contact"):
-        Studio("gallery:wall_hook", colour="blue")
+@pytest.mark.parametrize(
+    ("name", "cure"), [("quick", "ask for fewer vertices instead"), ("treshold", "did you mean 'threshold'"), ("xyz", "help(Studio)")],
+)  # fmt: skip
+def test_an_unknown_setting_is_refused_in_one_line_with_what_to_do(name, cure):
+    with pytest.raises(BadInput, match=f"the Studio has no setting {name!r}") as refused:
+        Studio("gallery:wall_hook", **{name: True})
+    (line,) = refused.value._render_traceback_()
+    assert cure in line
+    assert len(line) < 140
+    assert "\n" not in line
+
+
+def test_a_second_studio_speaks_the_language_of_the_first():
+    """Beside an English one, the view, the badge and the timeline of the German one were English."""
+    try:
+        Studio("gallery:wall_hook", language="de")
+        assert Studio("gallery:wall_hook").run_controls._buttons["run"].description == "Start"
+    finally:
+        speak("en")
+
+
+def test_a_file_dropped_on_the_view_is_the_part(tmp_path, monkeypatch, cube):
+    monkeypatch.chdir(tmp_path)
+    studio = Studio("gallery:wall_hook")
+    save(cube, tmp_path / "cube.stl")
+    file = memoryview((tmp_path / "cube.stl").read_bytes())
+    studio.frame._handle_custom_msg({"kind": "dropped", "name": "../mine.stl"}, [file])
+    assert (studio.part_picker.name, studio.part_picker.trouble) == ("mine", "")
+    assert studio.part_picker.mesh.extents.tolist() == pytest.approx([10.0] * 3)
+    before = studio.part_picker.mesh
+    studio.frame._handle_custom_msg({"kind": "dropped", "name": "notes.txt"}, [memoryview(b"no part")])
+    assert studio.part_picker.mesh is before
+    assert "notes.txt" in studio.part_picker.trouble
+
+
+def test_the_browser_is_given_a_word_when_a_run_has_ended(monkeypatch, fake):
+    studio, told = Studio("gallery:wall_hook"), []
+    monkeypatch.setattr(studio.frame, "tell", told.append)
+    studio.state.watch(fake.session(), 12).run()
+    studio.state.session.wait(30)
+    studio.state.pump()
+    assert told == [f"The run of {studio.state.title} is finished."]
 
 
 def test_a_part_that_is_not_there_is_refused():

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import difflib
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -17,6 +18,7 @@ from mechstyle.errors import BadInput, MechStyleError
 from mechstyle.fea.explicit import cores
 from mechstyle.gallery import PREFIX
 from mechstyle.loop.store import parse_address
+from mechstyle.pictures.fields import STAYS_BENT
 from mechstyle.records import SETTINGS, Recipe
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.records.recipe import DEFAULTS
@@ -27,12 +29,13 @@ from mechstyle.simulation.estimate import estimated, landings_on_the_way, plan_o
 from mechstyle.teaching import STYLE, trophy
 from mechstyle_widgets.jupyter.cell_output import OncePerCell
 from mechstyle_widgets.jupyter.frame import Frame
-from mechstyle_widgets.jupyter.language import speak
+from mechstyle_widgets.jupyter.language import speak, word
 from mechstyle_widgets.jupyter.looks import close_family, lean, sharing, show, stacked, unheard
 from mechstyle_widgets.panels.branches import Branches
 from mechstyle_widgets.panels.keys import Keys
 from mechstyle_widgets.panels.mask_inspector import DECIDES, MaskInspector
 from mechstyle_widgets.panels.my_runs import MyRuns
+from mechstyle_widgets.panels.next_steps import NextSteps
 from mechstyle_widgets.panels.pull import PullHere
 from mechstyle_widgets.panels.result import Result
 from mechstyle_widgets.panels.run_controls import AT_REST, RunControls
@@ -48,9 +51,10 @@ from mechstyle_widgets.settings.regions import RegionsPicker, covered, paintable
 from mechstyle_widgets.settings.schedule import ScheduleSelector
 from mechstyle_widgets.settings.section import Group
 from mechstyle_widgets.state.controller import Controller, Wanted
-from mechstyle_widgets.state.on_show import OnShow
+from mechstyle_widgets.state.on_show import OnShow, on_show
+from mechstyle_widgets.state.opening import opening
 from mechstyle_widgets.state.preview import Preview, Previewer
-from mechstyle_widgets.state.studio_state import StudioState, titled
+from mechstyle_widgets.state.studio_state import FREE, StudioState, titled
 from mechstyle_widgets.timeline.timeline import Timeline
 from mechstyle_widgets.viewer.run_viewer import RunViewer
 from mechstyle_widgets.viewer.viewer import PartViewer, Viewer
@@ -62,6 +66,10 @@ OPEN = ("Part", "Style")
 ASKED = 2
 """The tab that tells what is known of the place that was clicked."""
 SECTIONS = (PromptBox, MaterialPicker, PrintedPicker, ControlSelector, ScheduleSelector, RegionsPicker, DropOptions)
+INSTEAD = {"quick": "ask for fewer vertices instead, such as vertices=4000", "out": "name its folder instead, folder='runs/cup'"}
+"""What is asked for in the Studio where `ms.stylize` has another name."""
+ENDINGS = {"finished": "The run of {} is finished.", "failed": "The run of {} has stopped by an error."}
+"""What the browser says of a run that nobody watched, by what became of it."""
 SHOWN = {field for section in SECTIONS for field in section.FIELDS}
 OF_A_PART = ("relief", "amplitude", "side", "feature", "image_size", "protect", "loads", "minimum_wall", "strengthen")
 """Fields of a recipe that are meant for one part: lengths on it and places of it."""
@@ -85,29 +93,36 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
     _viewer: Viewer | None = None
     _timeline: Timeline | None = None
     _pictured = False
+    _of_lesson: Mapping[str, Any] = {}
+    """Settings that another part does not keep, as long as nobody has changed them."""
     _spared: tuple[str, NDArray[np.bool_]] = ("", np.zeros(0, bool))
     """What the last preview left as it is, but for what was painted or written: digest of its surface, and shape [vertex_count]."""
 
     @sharing()
     def __init__(
         self, part: str | Path | SurfaceMesh | Run | None = None, *,
-        theme: str = "auto", language: str = "en", filled: bool = False, **settings: Any,
+        theme: str = "auto", language: str | None = None, filled: bool = False, **settings: Any,
     ) -> None:  # fmt: skip
         """Open a part, or a run that was made before. The Studio is as wide as its cell.
 
         Args:
             part: `gallery:NAME`, a file, a surface, a run, or a run directory, which may be written DIR@LANE; None for the trophy
-                of the lessons, in their style.
+                of the lessons, in their style, and without any setting for a finished run of it beside Freestyle.
             theme: `light` or `dark`, or `auto`, which follows the notebook's.
-            language: What its controls are called in: `en` or `de`; of all Studios of this kernel that are made from now on.
+            language: What its controls are called in: `en` or `de`; None for that of the Studios before it, English at first. All
+                Studios of a kernel speak one.
             filled: Whether it fills the window from the beginning on.
             settings: Any of `prompt`, `material`, `freestyle`, `vertices`, `device`, `folder`, `scale`, and settings of a recipe.
 
         Raises:
             BadInput: If the part or a setting cannot be used, in one sentence.
         """
-        speak(language)
-        if part is None:
+        if language is not None:
+            speak(language)
+        shown, lesson = part is None and not settings, part is None
+        if shown:
+            part = opening()
+        elif part is None:
             part = trophy()
             settings = {**STYLE, "vertices": len(part.vertices), "name": part.name, **settings}
         run = run_in(part, settings.get("device", "auto"))
@@ -116,6 +131,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self.state = StudioState()
         self.controller = Controller(self.state, self.wanted)
         self._make_sections("" if run is not None else part, settings)
+        self.next_steps = NextSteps(self.controller, self.mask_inspector, self.drop_options, self.make_yours)
         self._undo = Undo(self._all_settings, self._give_all)
         self._changed()  # the timeline begins with the plan: what a figure gets before a page shows it may get lost
         self.frame, self._size = Frame(filled=filled), SIZE
@@ -126,15 +142,18 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self.theme = theme
         self._timeline = Timeline(self.state, theme=self.shown_theme, width=SIZE[0])
         bar = [self.run_controls, self._undo, self.drop_options.sizes, self.take_away, self.frame]
-        super().__init__([stacked(bar, "mechstyle-bar"), self._body()])
+        super().__init__([stacked(bar, "mechstyle-bar"), self.next_steps, self._body()])
         self.add_class("mechstyle-studio")
         self._wire()
         if run is not None:
             self._take(run)
             self.state.open(run)
+        self._of_lesson = {name: getattr(self._owners[name], name) for name in STYLE} if lesson else {}
         self._other_part()
+        if shown:
+            self.state.pinned, self.state.layer = (FREE, self.state.end_of(FREE)), STAYS_BENT
         self._undo.begin()
-        self.state.observe(self._emphasise, ("settings", "status", "run", "part"))
+        self.state.observe(self._emphasise, ("settings", "status", "run", "part", "lane", "iteration"))
         self.drop_options.observe(self._emphasise, "vertices")
         self._emphasise()
         self.state.observe(self._preview, "settings")
@@ -146,6 +165,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self.frame.observe(self._relight, "dark")
         self.frame.on_key("view", self._heard(lambda key, **held: self._viewer.key(key, **held) if self._viewer is not None else None))
         self.frame.on_key("studio", self._heard(Keys(self)))
+        self.frame.on_file(self._heard(self.part_picker.take_file))
         self.state.observe(self._other_run, "run")
         self.state.observe(self._another_checkpoint, "checkpoint")
         self.part_picker.observe(self._other_part, "mesh")
@@ -186,6 +206,11 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
     def show_mask(self) -> None:
         """Show what is held back, and what another setting would hold back."""
         self._tabs.selected_index = 0
+
+    def make_yours(self) -> None:
+        """Leave the shipped comparison for the plain part, and wait for a style in the box for it."""
+        self.prompt_box.prompt = ""
+        self.prompt_box.focus()
 
     def back(self) -> None:
         """Ask for the run on show again: its part and its settings."""
@@ -254,7 +279,10 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
             elif name in UNSEEN:
                 self._unseen[name] = value
             else:
-                raise BadInput(f"the Studio has no setting {name!r}: known are {', '.join(sorted({*UNSEEN, *self._owners}))}")
+                known = sorted({*UNSEEN, *self._owners})
+                near = difflib.get_close_matches(name, known, n=1, cutoff=0.5)
+                hint = f"did you mean {near[0]!r}?" if near else "docs/studio.md and `help(Studio)` name those it has"
+                raise BadInput(f"the Studio has no setting {name!r}: {INSTEAD.get(name, hint)}")
 
     @property
     def _chosen(self) -> dict[str, Any]:
@@ -355,7 +383,8 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
             if vertices is not None and run is not None:
                 self._take_recipe(run.recipe)
             else:
-                for name in OF_A_PART:
+                lesson = [name for name, value in self._of_lesson.items() if getattr(self._owners[name], name) == value]
+                for name in (*OF_A_PART, *lesson):
                     setattr(self._owners[name], name, DEFAULTS[name])
             self.drop_options.vertices = vertices or SIZES["Try it"]
 
@@ -367,8 +396,8 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         opened = mesh is self._opened_mesh and run.store.place == self._opened_place
         if (not opened and self.controller.began_with(mesh) is None) or self._looks_otherwise():
             return False
+        self.previewer.cancel()  # a part is there before its run: a style would be drawn that nobody sees
         if not isinstance(self._viewer, RunViewer):
-            self.previewer.cancel()
             self._show_run()
         return True
 
@@ -450,7 +479,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
             state.another, clear = self.run is not None, False
         self._foretell()
         done = state.status == "finished" and not state.another
-        self.take_away.main.button_style = "primary" if done else ""
+        self.take_away.main.button_style = "primary" if done and not self.next_steps.steps else ""
         self.run_controls.emphasise(clear and not done)
         self.run_controls.title = state.title if self.run is not None and (self.controller.busy or not state.another) else self._asked_for
         self._caption()
@@ -555,9 +584,18 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
             self.renew_still()
 
     def _rested(self, _change: object) -> None:
-        """What has come of a run is what its notebook is to show."""
+        """What has come of a run is what its notebook is to show; a part that fails shows where."""
+        shown = on_show(self.state)
+        if self.state.status == "finished" and self.state.pinned is None and shown is not None and shown.fails:
+            self._lead_to_worst()
         if self.state.status in (*AT_REST, "paused"):
             self.renew_still()
+        if self.state.status in ENDINGS and self.state.session is not None:
+            self.frame.tell(word(ENDINGS[self.state.status]).format(self.state.title))
+
+    def _lead_to_worst(self) -> None:
+        if isinstance(self._viewer, RunViewer):
+            self._viewer.lead_to_worst()
 
     def _hatch(self, _change: object = None) -> None:
         """Show on the part what is painted or written as a protected region now, and what else the last preview left as it is."""

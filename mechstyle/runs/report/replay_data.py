@@ -29,8 +29,9 @@ from mechstyle.pictures.colormap import ABOVE, LINE, STRIPE, UNKNOWN, Scale
 from mechstyle.pictures.fields import STAYS_BENT, Quantity, moment, quantities, stays_bent
 from mechstyle.records import Landing, Recipe, Simulation, sentences
 from mechstyle.records.mesh import SurfaceMesh
+from mechstyle.records.written import written
 from mechstyle.runs.report.run_protocol import LaneOfRun, begun
-from mechstyle.simulation.impact import Impact, impact_key, impact_of
+from mechstyle.simulation.impact import FALLING, Impact, heights, impact_key, impact_of
 
 LEVELS = 4095
 """Steps of a quantised field: a quarter of a micrometre for a millimetre of relief."""
@@ -276,14 +277,21 @@ def impact_data(run: LaneOfRun, simulation: Simulation, landing: Landing, impact
     motions = [impact.motion(vertices, frame) for frame in frames]
     spans = zip([-1, *frames[:-1]], frames, strict=True)
     quantity = moment(run.recipe.test.material.yield_strength)
-    stress = channel_of("moment", [impact.stress[before + 1 : last + 1].max(axis=0) for before, last in spans])
-    deformation = channel_of("deformation", [motion.deformation for motion in motions])
+    still, air = np.zeros_like(impact.stress[0]), heights(run.part.surface.size, landing.fall)
+    after = [impact.stress[before + 1 : last + 1].max(axis=0) for before, last in spans]
+    stress = channel_of("moment", [*[still] * FALLING, *after])
+    deformation = channel_of("deformation", [*[np.zeros_like(motions[0].deformation)] * FALLING, *(one.deformation for one in motions)])
+    turn, shift = motions[0].turn, motions[0].shift
     moved = [
+        {"above": above, "turn": np.ravel(turn).tolist(), "shift": [*shift[:2].tolist(), float(shift[2]) + above]} for above in air.tolist()
+    ]
+    moved += [
         {"time": float(impact.time[frame]), "turn": np.ravel(motion.turn).tolist(), "shift": motion.shift.tolist()}
         for frame, motion in zip(frames, motions, strict=True)
     ]
     header = {
-        "name": landing.name, "peak": frames.index(impact.peak), "frames": moved, "stays": sentences.bend(landing.permanent_set),
+        "name": landing.name, "peak": FALLING + frames.index(impact.peak), "frames": moved, "stays": sentences.bend(landing.permanent_set),
+        "fall": written(landing.fall),
         "layers": [layer_entry(quantity, stress)], "channels": [stress.spec, deformation.spec],
     }  # fmt: skip
     return ReplayData(header, gzip.compress(stress.packed() + deformation.packed(), 6, mtime=0))

@@ -11,7 +11,7 @@ from mechstyle.records import sentences
 from mechstyle.runs.report import replay_data as module
 from mechstyle.runs.report.page import report_page
 from mechstyle.runs.report.replay_data import MOMENTS, impact_data, impacts, moments
-from mechstyle.simulation.impact import Impact, impact_key
+from mechstyle.simulation.impact import FALLING, Impact, heights, impact_key
 
 
 @pytest.fixture
@@ -63,11 +63,20 @@ def test_every_moment_is_that_of_the_impact(seen, impact):
     played = impact_data(seen, seen.simulation(), seen.simulation().flat, impact)
     deformation, step = planes(played, "deformation")
     surface, frames = seen.surface(), moments(40, 7)
-    for number, frame in enumerate(played.header["frames"]):
+    for number, frame in enumerate(played.header["frames"][FALLING:], start=FALLING):
         turn = np.reshape(frame["turn"], (3, 3))
         shown = surface.vertices @ turn.T + frame["shift"] + 20.0 * deformation[number].reshape(-1, 3)
-        assert np.abs(shown - impact.shape(surface, frames[number], 20.0).vertices).max() <= 20.0 * 0.51 * step + 1e-6
+        assert np.abs(shown - impact.shape(surface, frames[number - FALLING], 20.0).vertices).max() <= 20.0 * 0.51 * step + 1e-6
     assert np.abs(played.header["frames"][-1]["shift"]).max() > 2.0
+
+
+def test_it_comes_through_the_air_without_stress_and_undeformed(seen, impact):
+    header = (played := impact_data(seen, seen.simulation(), seen.simulation().flat, impact)).header
+    air, size = header["frames"][:FALLING], seen.part.surface.size
+    assert [frame["above"] for frame in air] == heights(size, 1500.0).tolist()
+    assert [frame["shift"][2] - header["frames"][FALLING]["shift"][2] for frame in air] == pytest.approx(heights(size, 1500.0).tolist())
+    assert header["fall"] == "1.5 m"
+    assert np.abs(planes(played, "moment")[0][:FALLING]).max() == 0.0
 
 
 def test_no_stress_is_lost_between_the_moments_that_are_shown(seen, impact):

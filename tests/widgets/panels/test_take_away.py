@@ -11,6 +11,7 @@ from PIL import Image
 from mechstyle.errors import BadInput
 from mechstyle.geometry.files import save
 from mechstyle.geometry.threemf import SLICERS
+from mechstyle.runs.export import Exported
 from mechstyle.runs.printing import Printing
 from mechstyle.runs.run import Run
 from mechstyle_widgets.jupyter.frame import Frame
@@ -32,7 +33,7 @@ def take_away(done):
 
 
 def test_the_part_on_show_is_saved_for_the_slicer(take_away, sent, done, monkeypatch):
-    monkeypatch.setattr(Run, "export", lambda run, path, iteration, **_: save(run.surface(iteration), path))  # a sheet has no volume
+    monkeypatch.setattr(Run, "exported", lambda run, path, iteration, **_: save(run.surface(iteration), path))  # a sheet has no volume
     take_away.state.iteration = 8
     take_away._buttons["3MF"].click()
     message, data = sent[0]
@@ -52,12 +53,26 @@ def test_the_file_is_that_of_the_slicer_chosen_and_a_picture_of_none(take_away, 
         asked.append(how)
         path.write_bytes(b"written")
 
-    monkeypatch.setattr(Run, "export", written)
+    monkeypatch.setattr(Run, "exported", written)
     take_away._slicer.value = slicer
     take_away._buttons["3MF"].click()
     take_away._buttons["GLB"].click()
     assert asked == [{"printing": Printing(slicer=slicer)}, {}]
     assert len(sent) == 2
+
+
+def test_what_the_maker_of_a_file_warns_of_is_said_and_the_branch_is_in_its_name(take_away, sent, monkeypatch):
+    warned = Exported(file="", lane="", iteration=0, recipe="", verdict=None, quality=None, warnings=("walls of 0.3 mm will not print",))
+
+    def written(_run, path, _iteration, **_how):
+        path.write_bytes(b"solid")
+        return warned
+
+    monkeypatch.setattr(Run, "exported", written)
+    take_away.state.lane = "soft"
+    take_away._buttons["STL"].click()
+    assert (sent[0][0]["name"], sent[0][0]["type"], sent[0][1]) == ("sheet-soft-12.stl", "model/stl", b"solid")
+    assert "walls of 0.3 mm will not print" in take_away._note.value
 
 
 def test_the_lines_of_code_are_shown_and_copied(take_away, sent):

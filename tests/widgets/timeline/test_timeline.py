@@ -47,11 +47,12 @@ def test_outcomes_differ_in_shape_and_not_by_colour_alone():
         assert len({getattr(look, by) for look in LOOKS.values()}) == len(LOOKS)
 
 
-def test_hovering_tells_reason_verdict_and_figures(state):
-    told = story("a<b", state.row(4))
+def test_hovering_tells_outcome_figure_and_reason_in_two_lines(state):
     row = state.row(4)
-    for text in ("a&lt;b · iteration 4", "because: every 4 iterations", row.outcome, "style still missing", "travel 0.00"):
-        assert text in told
+    first, second = story("a<b", row).split("<br>")
+    assert first == f"<b>a&lt;b · iteration 4</b> · {row.outcome} · {sentences.least(row.verdict)}"
+    assert second == "tested after step 4: every 4 iterations"
+    assert story("main", state.row(3)) == "<b>main · iteration 3</b> · NOT TESTED"
 
 
 def test_a_branch_starts_where_it_forks_on_its_parents_line(timeline):

@@ -13,7 +13,7 @@ from mechstyle.pictures.fields import MOMENT, STAYS_BENT
 from mechstyle.pictures.panels import exaggeration
 from mechstyle.records.sentences import bend
 from mechstyle.runs.run import Run
-from mechstyle.simulation.impact import Impact
+from mechstyle.simulation.impact import FALLING, Impact, heights
 from mechstyle_widgets.state.studio_state import StudioState
 from mechstyle_widgets.viewer import impact_player
 from mechstyle_widgets.viewer.run_viewer import RunViewer
@@ -66,6 +66,19 @@ def test_it_opens_at_the_peak_and_ends_in_the_shape_that_stays(viewer, impact):
     assert np.allclose(viewer.subject.layer("moment").values, impact.stress[2])
     player._peak.click()
     assert player.frame == 1
+
+
+def test_it_comes_through_the_air_from_the_height_asked_and_all_of_it_is_seen(viewer, impact):
+    player = viewer.player
+    player.play()
+    still = viewer._state.run.surface(12)
+    for frame, above in zip(range(-FALLING, 0), heights(still.size, 1500.0), strict=True):
+        player.frame = frame
+        assert np.allclose(viewer.subject.mesh.vertices, impact.shape(still, 0).vertices + np.array([0.0, 0.0, above]), atol=1e-5)
+        assert not viewer.subject.layer(MOMENT).values.any()
+        assert np.abs(viewer._orbit.seen.project(viewer.subject.mesh.vertices)[:, :2]).max() < 1.0
+    assert player._time.value == "falls from 1.5 m"
+    assert f"falls from 1.5 m, {above:.0f} mm above the floor" in viewer._legend.value
 
 
 def test_any_landing_that_was_tested_can_be_seen(state, viewer):

@@ -46,6 +46,19 @@ class Frame(PageWidget):
 
         self.on_msg(hear)
 
+    def on_file(self, call: Callable[[str, bytes], None]) -> None:
+        """Call back with name and content of every file that is dropped on the view."""
+
+        def hear(_widget: Any, message: Any, buffers: Any) -> None:
+            if isinstance(message, dict) and message.get("kind") == "dropped" and buffers:
+                call(str(message.get("name", "")), bytes(buffers[0]))
+
+        self.on_msg(hear)
+
+    def tell(self, text: str) -> None:
+        """Let the browser say something if nobody looks at the page, and it may."""
+        self.send({"kind": "news", "text": text})
+
     def copy(self, text: str) -> None:
         """Put a text where the page keeps what was copied, if the browser lets it."""
         self.send({"kind": "text", "text": text})

@@ -13,6 +13,7 @@ import traitlets
 from mechstyle.errors import MechStyleError
 from mechstyle.loop.history import Branch, Row
 from mechstyle.records import Checkpoint, Verdict, sentences
+from mechstyle.records import Row as Judged
 from mechstyle.records.load_cases import LoadCase
 from mechstyle.records.material import Material
 from mechstyle.runs.run import Run
@@ -69,6 +70,7 @@ class Branches(Section):
         self.state.observe(self._list, ("branches", "lane"))
         self.state.observe(self._redraw, ("checkpoint", "status", "settings"))
         self.state.observe(self._unpin, "run")
+        self.state.observe(self._change_places, "lane")
         self.state.observe(lambda _: self.complain(""), ("lane", "iteration", "settings"))
         self.observe(self._redraw, ("pinned", "third"))
         self._list()
@@ -179,6 +181,12 @@ class Branches(Section):
         self._changes.say(table(("changed", shown.parent if shown else "", self.lane), rows) if rows else "")
         self._redraw()
 
+    def _change_places(self, change: dict[str, Any]) -> None:
+        """Where the end of a lane stands beside another and comes to the front, the other stands beside it from now on."""
+        ends = {lane: (lane, rows[-1].iteration) for lane, rows in self.state.histories.items() if rows}
+        if self.pinned is not None and self.pinned == ends.get(change["new"]) and change["old"] in ends:
+            self.pinned = ends[change["old"]]
+
     def _unpin(self, change: dict[str, Any]) -> None:
         """A pinned iteration belongs to the run it was pinned in."""
         if change["old"] is not None and change["new"] is not None and change["old"].store.place != change["new"].store.place:
@@ -228,14 +236,18 @@ def side_by_side(names: tuple[str, str], verdicts: tuple[Verdict, Verdict], kept
         alike = "Both look alike. " if fed >= ALIKE * free else f"{names[1]} keeps {fed:.0%} of the relief, {names[0]} {free:.0%}. "
     if first.stress is not None:
         stresses = ", ".join(f"{name} {sentences.found(row)}" for name, row in zip(names, (first, second), strict=True))
-        stresses = ", ".join(f"{name} {sentences.found(row)}" for name, row in zip(names, (first, second), strict=True))
         return f"{alike}Largest stress: {stresses}; {sentences.allowed(first)} is allowed."
     where = sentences.landed(first)
-    each = ("gives way" if row.collapses else f"stays bent by {sentences.found(row)}" for row in (first, second))
-    compared = f"{' and '.join(f'{name} {does}' for name, does in zip(names, each, strict=True))}, {where}"
+    both = ", " if first.cracks or second.cracks else " and "
+    compared = f"{both.join(f'{name} {_does(row)}' for name, row in zip(names, (first, second), strict=True))}, {where}"
     if abs(second.permanent_set - first.permanent_set) <= SAME and not any(row.cracks or row.collapses for row in (first, second)):
         compared = f"Of both {sentences.found(first)} stays bent, {where}"
     return f"{alike}{compared}; {sentences.allowed(first)} is allowed."
+
+
+def _does(row: Judged) -> str:
+    """What a part does in a test, after its name."""
+    return "gives way" if row.collapses else f"stays bent by {sentences.bend(row.permanent_set)}{' and cracks' if row.cracks else ''}"
 
 
 def most_bent(lane: str, verdict: Verdict, there: Mapping[str, str]) -> str:

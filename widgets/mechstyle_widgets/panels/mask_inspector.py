@@ -143,17 +143,23 @@ class MaskInspector(Section):
 
     def _in_force(self, run: Run) -> bool:
         """Whether what is tried is what the lane on show has."""
-        return all(run.recipe.settings[name] == value for name, value in self.settings.items())
+        return self.in_force(run) == self.settings
+
+    def in_force(self, run: Run) -> dict[str, Any]:
+        """The same fields as a run has them."""
+        return {name: run.recipe.settings[name] for name in DECIDES}
 
     def _goes_on_from(self, run: Run) -> int | None:
         """Iteration from which a branch with the settings that are tried goes on, None for none."""
         if self._in_force(run):
             return None
-        if self.state.iteration < self.state.length:
-            return self.state.iteration
-        for row in self.state.history:  # the first test after which they would hold something back otherwise
+        return self.state.iteration if self.state.iteration < self.state.length else self.first_difference(run, self.settings)
+
+    def first_difference(self, run: Run, settings: dict[str, Any]) -> int | None:
+        """Iteration of the first test of the lane on show after which settings would hold something back otherwise, None for none."""
+        for row in self.state.history:
             there = self.state.checkpoint_at(row.iteration) if row.verdict is not None and row.iteration < self.state.length else None
-            if there is not None and not np.allclose(self.mask(run, there, **self.settings), there.mask, atol=0.01):
+            if there is not None and not np.allclose(self.mask(run, there, **settings), there.mask, atol=0.01):
                 return row.iteration
         return None
 

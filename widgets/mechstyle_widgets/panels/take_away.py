@@ -11,6 +11,7 @@ from pathlib import Path
 import ipywidgets
 
 from mechstyle.geometry.threemf import SLICERS
+from mechstyle.runs.export import Exported
 from mechstyle.runs.printing import Printing
 from mechstyle.runs.report.reproduce import cell_for
 from mechstyle.runs.run import Run
@@ -23,7 +24,7 @@ from mechstyle_widgets.state.on_show import on_show
 from mechstyle_widgets.state.studio_state import StudioState
 from mechstyle_widgets.state.troubles import sentence
 
-MEDIA = {".3mf": "model/3mf", ".glb": "model/gltf-binary", ".html": "text/html", ".png": "image/png"}
+MEDIA = {".3mf": "model/3mf", ".stl": "model/stl", ".glb": "model/gltf-binary", ".html": "text/html", ".png": "image/png"}
 
 
 class TakeAway(Section):
@@ -34,8 +35,9 @@ class TakeAway(Section):
         self.state, self._frame, self._loop = state, frame, running_loop()
         kinds: dict[str, tuple[str, str, str, Callable[[Run, int, Path], object]]] = {
             "3MF": (".3mf", "download", "The part in colour, for the slicer named beside it",
-                    lambda run, at, path: run.export(path, at, printing=Printing(slicer=self._slicer.value))),
-            "GLB": (".glb", "cube", "The part in colour, to look at and to share", lambda run, at, path: run.export(path, at)),
+                    lambda run, at, path: run.exported(path, at, printing=Printing(slicer=self._slicer.value))),
+            "STL": (".stl", "download", "The shape alone, for any slicer", lambda run, at, path: run.exported(path, at)),
+            "GLB": (".glb", "cube", "The part in colour, to look at and to share", lambda run, at, path: run.exported(path, at)),
             "Report": (".html", "file-text-o", "The whole run as one page that opens offline", lambda run, _, path: run.report(path)),
             "Picture": (".png", "picture-o", "Style, stress and mask as a picture", lambda run, at, path: run.show(at).save(path)),
         }  # fmt: skip
@@ -49,9 +51,9 @@ class TakeAway(Section):
             ipywidgets.Dropdown, options=SLICERS, description="for", style={"description_width": "initial"}, layout={"width": "auto"},
             tooltip="Whose 3MF it is: standard or prusa (one strict file), bambu or orca (another)",
         )  # fmt: skip
-        first, *others = (self._buttons[name] for name in ("3MF", "Report", "GLB", "Picture"))
+        first, *others = (self._buttons[name] for name in ("3MF", "Report", "STL", "GLB", "Picture"))
         look = {"width": "40px"}
-        self._more = lean(ipywidgets.ToggleButton, icon="ellipsis-h", tooltip="GLB, picture, and whose 3MF it is", layout=look)
+        self._more = lean(ipywidgets.ToggleButton, icon="ellipsis-h", tooltip="STL, GLB, picture, and whose 3MF it is", layout=look)
         rest = lean(ipywidgets.HBox, [self._slicer, *others[1:]], layout={"flex_flow": "row wrap"})
         self._more.observe(lambda change: show(rest, change["new"]), "value")
         show(rest, False)
@@ -73,7 +75,8 @@ class TakeAway(Section):
         """Nothing is to take before there is an iteration; where what is asked for is another, the button names whose file it is."""
         state, shown = self.state, on_show(self.state)
         show(self, state.checkpoint is not None)
-        self.main.description = word("3MF of {}").format(state.title) if state.another else "3MF"
+        name = word("3MF of {}").format(state.title) if state.another else "3MF"
+        self.main.description = word("{}, take it anyway").format(name) if shown is not None and shown.fails else name
         for name, button in self._buttons.items():
             whose = "" if shown is None else f": {shown.caption}"
             button.tooltip = self._tooltips[name] + whose
@@ -87,21 +90,23 @@ class TakeAway(Section):
             return
         self.complain("")
         try:
-            name = f"{run.record.stem}-{iteration}{suffix}"
+            branch = "" if run.lane == "main" else f"{run.lane}-"
+            name = f"{run.record.stem}-{branch}{iteration}{suffix}"
         except Exception as error:  # noqa: BLE001 — whatever it is, it is said
             self._refuse(sentence(error, run.store.place))
             return
         self.note(f"making {name} …")
 
-        def made() -> bytes:
+        def made() -> tuple[bytes, tuple[str, ...]]:
             with tempfile.TemporaryDirectory() as folder:
                 path = Path(folder) / name
-                make(run, iteration, path)
-                return path.read_bytes()
+                found = make(run, iteration, path)
+                return path.read_bytes(), found.warnings if isinstance(found, Exported) else ()
 
-        def hand_over(data: bytes) -> None:
+        def hand_over(given: tuple[bytes, tuple[str, ...]]) -> None:
+            data, warnings = given
             self._frame.hand_over(name, data, MEDIA[suffix])
-            self.note(f"{name} is saved where the browser puts downloads")
+            self.note(f"{name} is saved where the browser puts downloads", warnings)
 
         in_a_thread(self._loop, made, hand_over, lambda error: self._refuse(sentence(error, run.store.place)))
 

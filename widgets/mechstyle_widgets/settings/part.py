@@ -10,8 +10,8 @@ import ipywidgets
 import traitlets
 
 from mechstyle import gallery
-from mechstyle._files import write_whole
-from mechstyle.errors import BadInput
+from mechstyle._files import file_stem, write_whole
+from mechstyle.errors import BadInput, MechStyleError
 from mechstyle.geometry.files import FORMATS, bodies
 from mechstyle.geometry.one_body import Body
 from mechstyle.records.mesh import SurfaceMesh
@@ -97,6 +97,16 @@ class PartPicker(Section):
         if origin.startswith(gallery.PREFIX):
             self._gallery.value = origin.removeprefix(gallery.PREFIX)
 
+    def take_file(self, name: str, content: bytes) -> None:
+        """Take a file of the page; what is wrong with it is said here."""
+        place = UPLOADS / f"{file_stem(Path(name).stem)}{Path(name).suffix}"
+        try:
+            write_whole(place, content)
+        except (OSError, MechStyleError) as error:
+            self.complain(sentence(error))
+        else:
+            self._wish(str(place), self._unit.value or None)
+
     def remark(self, found: tuple[str, ...]) -> None:
         """Warn of what was found when the part was measured, under what was said when it was read."""
         assert self.mesh is not None, "there is a part to speak of"
@@ -153,12 +163,6 @@ class PartPicker(Section):
 
     def _uploaded(self, change: dict[str, Any]) -> None:
         for file in change["new"]:
-            place = UPLOADS / Path(file["name"]).name
-            try:
-                write_whole(place, bytes(file["content"]))
-            except OSError as error:
-                self.complain(sentence(error))
-            else:
-                self._wish(str(place), self._unit.value or None)
+            self.take_file(file["name"], bytes(file["content"]))
         if change["new"]:
             self._upload.value = ()  # or the button counts what it has read

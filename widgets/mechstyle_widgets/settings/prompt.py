@@ -199,6 +199,10 @@ class PromptBox(Section):
         """The prompt."""
         return self.prompt
 
+    def focus(self) -> None:
+        """Let what is typed next be the prompt."""
+        self._text.focus()
+
     def enlarge(self, found: Enlarged | None, finer: Callable[[int], object] = lambda _: None) -> None:
         """Say what of the pattern is drawn larger than asked, and offer as many vertices as would carry it; None for nothing."""
         self._finer.on_click(self._ask_finer, remove=True)

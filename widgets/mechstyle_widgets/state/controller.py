@@ -18,6 +18,7 @@ from mechstyle.runs.run import Run, started
 from mechstyle.runs.session import Session
 from mechstyle.simulation.part import Workpiece
 from mechstyle_widgets.jupyter.prepare import prepare_aside
+from mechstyle_widgets.state.opening import of_ones_own
 from mechstyle_widgets.state.studio_state import FREE, StudioState
 from mechstyle_widgets.state.troubles import gone, sentence
 
@@ -93,7 +94,7 @@ class Controller:
         elif self.busy:
             say("a run is going on: stop it before you branch")
         else:
-            self._tried(lambda: self._carry_on(run.branch(iteration, lane=lane, **changes)).run(), say)
+            self._tried(lambda: self._carry_on(of_ones_own(run).branch(iteration, lane=lane, **changes)).run(), say)
 
     @property
     def busy(self) -> bool:

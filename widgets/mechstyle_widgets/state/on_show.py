@@ -45,6 +45,11 @@ class OnShow:
         return sentences.NOT_TESTED if self.verdict is None else self.verdict.short
 
     @property
+    def fails(self) -> bool:
+        """Whether its own test found that it fails."""
+        return self.verdict is not None and self.verdict.outcome == "FAILS"
+
+    @property
     def words(self) -> str:
         """Its outcome, whether that is sure, or since when it was not tested."""
         if self.verdict is None:

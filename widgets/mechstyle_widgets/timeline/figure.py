@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Iterable, Mapping, Sequence
-from functools import cache, lru_cache
+from functools import cache
 from html import escape
 from typing import Any
 
@@ -35,7 +35,6 @@ LINE, LETTER = 52, 6.6
 """Letters of the longest line of words, and how wide one is at most on average [pixels]."""
 
 Rows = Sequence[Row]
-_wrapped = lru_cache(maxsize=1024)(textwrap.wrap)
 
 
 def filled(traces: Iterable[Mapping[str, Any]], layout: Mapping[str, Any]) -> tuple[list[dict[str, Any]], dict[str, Any]]:
@@ -169,7 +168,7 @@ def _marks(flat: Sequence[tuple[str, Row]]) -> dict[str, Any]:
         "y": [name for name, _ in flat],
         "customdata": [[name] for name, _ in flat],
         "hovertext": [story(name, row) for name, row in flat],
-        "hovertemplate": "%{hovertext}<extra></extra>",
+        "hoverinfo": "none",  # the page says it under the chart, which stays in sight
     }
 
 
@@ -198,17 +197,10 @@ def _around(marks: Sequence[tuple[str, Row]]) -> dict[str, Any]:
 
 
 def story(lane: str, row: Row) -> str:
-    """Hover text of an iteration."""
-    lines = [f"<b>{escape(lane)} · {word('iteration')} {row.iteration}</b>"]
-    if row.outcome:
-        lines.append(escape(said(f"{row.outcome}, simulated because: {row.reason}")))
-        lines += _wrapped(escape(said(row.words)), 70)
-    figures = [f"{word('style still missing')} {row.style_loss:.3g}"]
-    if row.travel is not None:
-        figures.append(said(f"travel {row.travel:.2f} of the threshold"))
-    if row.seconds is not None:
-        figures.append(f"{row.seconds:.1f} s")
-    return "<br>".join([*lines, " · ".join(figures)])
+    """What is said of an iteration, in two lines at most: what came of it, and why it was tested."""
+    found = sentences.NOT_TESTED if row.verdict is None else " · ".join(filter(None, (row.outcome, sentences.least(row.verdict))))
+    lines = [f"<b>{escape(lane)} · {word('iteration')} {row.iteration}</b> · {escape(said(found))}"]
+    return "<br>".join([*lines, *([escape(said(f"tested after step {row.iteration}: {row.reason}"))] if row.reason else [])])
 
 
 def _layout(lanes: Sequence[str], known: Mapping[str, str], lane: str, theme: str, iterations: int) -> dict[str, Any]:

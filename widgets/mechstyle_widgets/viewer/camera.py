@@ -16,6 +16,8 @@ from mechstyle_widgets.viewer.scene import floor_corners
 
 STEEPEST = 85.0
 """Elevation up to which keys and flights go [degrees]: straight from above there is no upright."""
+LOWEST = 8.0
+"""Elevation from which a whole part is looked at at least, unless somebody goes lower [degrees]: from below the floor hides what falls."""
 STEP = 0.2
 """How far a key moves what is looked at, as a share of half the height of the view."""
 CLOSE = 0.7
@@ -52,9 +54,9 @@ class Orbit:
         self.controls.append(pythreejs.OrbitControls(controlling=self.three))
         return self.controls[-1]
 
-    def follow(self, mesh: SurfaceMesh) -> None:
-        """Take it that the part looks so now: that is what is fitted into view."""
-        self._points = np.concatenate([mesh.vertices, self._floor])
+    def follow(self, mesh: SurfaceMesh, above: float = 0.0) -> None:
+        """Take it that the part looks so now, and goes so far up [mm]: that is what is fitted into view."""
+        self._points = np.concatenate([mesh.vertices, mesh.vertices + np.array([0.0, 0.0, above]), self._floor])
 
     def fit(self, view: str = "") -> None:
         """Bring the whole part into view, from one of `VIEWS` or from where one looks now."""
@@ -109,9 +111,9 @@ class Orbit:
         self._take(replace(self.seen, azimuth=azimuth, elevation=elevation, target=(x, y, z), distance=CLOSE * self.home.distance))
 
     def look_from(self, direction: ArrayLike) -> None:
-        """Bring the whole part into view from a direction."""
+        """Bring the whole part into view from a direction, or from as near to it as is above the floor."""
         x, y, z = np.asarray(direction, np.float64).tolist()
-        azimuth, elevation = math.degrees(math.atan2(x, -y)), _upright(math.degrees(math.atan2(z, math.hypot(x, y))))
+        azimuth, elevation = math.degrees(math.atan2(x, -y)), _upright(max(math.degrees(math.atan2(z, math.hypot(x, y))), LOWEST))
         self._take(Camera.fitted(self._points, azimuth, elevation, aspect=self.three.aspect, field_of_view=self.seen.field_of_view))
 
     def look_like(self, other: Orbit) -> None:

@@ -1,4 +1,4 @@
-"""The impact of an iteration, moment by moment, to the shape that stays: deformed as much as one likes, with the stress of that moment."""
+"""The fall of an iteration as a film: through the air, moment by moment through the impact, to the shape that stays."""
 
 from __future__ import annotations
 
@@ -10,13 +10,17 @@ from typing import Any
 import ipywidgets
 import numpy as np
 import traitlets
+from numpy.typing import NDArray
 
 from mechstyle.fea.orientations import FLAT
 from mechstyle.pictures.fields import moment
 from mechstyle.pictures.panels import FACTORS
 from mechstyle.records import Landing
+from mechstyle.records.mesh import SurfaceMesh
+from mechstyle.records.recipe import DEFAULTS
 from mechstyle.records.sentences import bend
-from mechstyle.simulation.impact import Impact, impact_of
+from mechstyle.records.written import written
+from mechstyle.simulation.impact import FALLING, Impact, heights, impact_of
 from mechstyle_widgets.jupyter.frame import unseen
 from mechstyle_widgets.jupyter.language import said
 from mechstyle_widgets.jupyter.looks import close_family, lean
@@ -28,7 +32,7 @@ from mechstyle_widgets.viewer.layers import Subject, layer_of
 DEFORMED = 20.0
 """Factor by which an impact is deformed at first."""
 FALL = 3.0
-"""How long a fall is that is played by itself, from first touch to the shape that stays [s]; slow views take longer."""
+"""How long a fall is that is played by itself, from the air to the shape that stays [s]; slow views take longer."""
 
 
 class _Cancelled(Exception):
@@ -38,14 +42,14 @@ class _Cancelled(Exception):
 class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
     """A button that drops the part of the iteration on show once more, and then a slider through what happened.
 
-    It opens at the moment of the peak; playing it begins at first touch and ends in the shape that stays.
+    It opens at the moment of the peak; playing it begins in the air and ends in the shape that stays.
     What stands beside the part falls with it, in the same landing and at the same time.
 
     Attributes:
         beside: Lane and iteration of each pane beside the part.
         landing: Name of the landing, one of those of the last simulation; flat at first.
         impact: The impact on show, None while there is none.
-        frame: Which of its moments, counted from 0.
+        frame: Which of its moments, counted from first touch; below 0 it falls.
         exaggeration: Factor on the deformation; the motion of the part as a whole is shown as it is.
     """
 
@@ -75,10 +79,15 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
         self._progress = lean(ipywidgets.FloatProgress, value=0.0, max=1.0, description="dropping", layout={"width": "260px"})
         self._said = lean(ipywidgets.HTML)
         self._play = lean(
-            ipywidgets.Play, interval=100, show_repeat=False, layout=look, tooltip="Play on to the shape that stays, and from there again"
+            ipywidgets.Play,
+            min=-FALLING,
+            interval=100,
+            show_repeat=False,
+            layout=look,
+            tooltip="Play on to the shape that stays, and from there again",
         )
         self._peak = lean(ipywidgets.Button, description="peak", tooltip="To the moment of the largest stress", layout={"width": "auto"})
-        self._slider = lean(ipywidgets.IntSlider, readout=False, tooltip="Arrow keys step", layout={"width": "220px"})
+        self._slider = lean(ipywidgets.IntSlider, min=-FALLING, readout=False, tooltip="Arrow keys step", layout={"width": "220px"})
         self._time = lean(ipywidgets.HTML, layout={"width": "140px"})
         factors = [(f"× {factor}", float(factor)) for factor in FACTORS]
         wide = {"width": "230px"}
@@ -86,6 +95,7 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
         moments = [self._play, self._slider, self._time, self._peak, factor, self._which, self._away]
         self._factor = factor
         self._moments = lean(ipywidgets.HBox, moments, layout={"flex_flow": "row wrap", "align_items": "center"})
+        self._moments.add_class("mechstyle-moments")
         self._start = lean(ipywidgets.HBox, [self._button])
         super().__init__([self._start])
         self.add_class("mechstyle-player-start")
@@ -108,7 +118,7 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
     def play(self, *, once: bool = False) -> None:
         """Work the impact out, unless that is being done, in a thread where there is an event loop to bring it back, and show it.
 
-        With `once` it is played at once, in slow motion, from first touch to the peak.
+        With `once` it is played at once, in slow motion.
         """
         run, checkpoint = self._state.run, self._state.checkpoint
         if run is None or checkpoint is None or self.working:
@@ -173,12 +183,34 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
         impact = impacts[pane] if pane < len(impacts) else None
         if impact is None or self.impact is None or self._state.run is None:
             return subject
+        if self.frame < 0:
+            return self._in_the_air(subject, impact)
         ended = self.frame == self.impact.end
         frame = impact.end if ended else int(np.abs(impact.time[:-1] - self.impact.time[self.frame]).argmin())
         when = "in the shape that stays" if ended else f"at {1e3 * impact.time[frame]:.0f} µs"
         note = f"{self.landing}, {when}, deformed × {self.exaggeration:g}"
-        layer = layer_of(moment(self._state.run.recipe.test.material.yield_strength), impact.stress[frame], impact.stress, note)
-        return Subject(impact.shape(subject.mesh, frame, self.exaggeration), (*subject.layers, layer))
+        return self._of_film(subject, impact.shape(subject.mesh, frame, self.exaggeration), impact, impact.stress[frame], note)
+
+    def _in_the_air(self, subject: Subject, impact: Impact) -> Subject:
+        """A subject before first touch, without any stress."""
+        above = heights(subject.mesh.size, self._from)[self.frame]
+        note = f"{self.landing}, falls from {written(self._from)}, {above:.0f} mm above the floor"
+        return self._of_film(subject, impact.falling(subject.mesh, above), impact, np.zeros_like(impact.stress[0]), note)
+
+    def _of_film(self, subject: Subject, shape: SurfaceMesh, impact: Impact, stress: NDArray[np.float32], note: str) -> Subject:
+        assert self._state.run is not None, "it is what falls"
+        strength = self._state.run.recipe.test.material.yield_strength
+        return Subject(shape, (*subject.layers, layer_of(moment(strength), stress, impact.stress, note)))
+
+    @property
+    def _from(self) -> float:
+        """How far what is on show falls [mm]."""
+        landing = self._landings.get(self.landing)
+        return DEFAULTS["height"] if landing is None else landing.fall
+
+    def highest(self, size: float) -> float:
+        """How far above the floor a part of a size [mm] is when it comes into view [mm]."""
+        return float(heights(size, self._from)[0])
 
     def close(self) -> None:
         """Close it; a drop that is being worked out ends."""
@@ -199,13 +231,13 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
         impact, *others = impacts
         assert impact is not None, "the part on show fell"
         self._slider.max = self._play.max = impact.end
-        first = 0 if self._once and not self._state.calm else impact.peak
+        first = -FALLING if self._once and not self._state.calm else impact.peak
         self._slider.value = self._play.value = first
         self._others, self.impact = tuple(others), impact
         self._say(self._moments)
         self._tell_time()
         if self._once and not self._state.calm:
-            self._fall(0)
+            self._fall(-FALLING)
 
     def _fall(self, reached: int) -> None:
         """Go on to the end, a moment at a time, unless somebody has gone elsewhere meanwhile."""
@@ -213,7 +245,7 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
         if self.impact is None or self.frame != reached or reached >= self.impact.end or loop is None:
             return
         self._slider.value = self._play.value = reached + 1
-        self._falling = Timer(loop, FALL / self.impact.end, partial(self._fall, reached + 1))
+        self._falling = Timer(loop, FALL / (FALLING + self.impact.end), partial(self._fall, reached + 1))
 
     def _halt(self) -> None:
         self._play.playing = False
@@ -250,7 +282,9 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
         if self.impact is None:
             return
         landing = self._landings.get(self.landing)
-        if self.frame == self.impact.end and landing is not None:
+        if self.frame < 0:
+            self._time.value = said(f"falls from {written(self._from)}")
+        elif self.frame == self.impact.end and landing is not None:
             self._time.value = said(f"{bend(landing.permanent_set)} stays bent")
         else:
             at_peak = f" · {said('peak')}" if self.frame == self.impact.peak else ""

@@ -196,6 +196,14 @@ class RunViewer(Linked, Viewer):
         except Exception as error:  # noqa: BLE001 — whatever it is, it is said
             self._state.alert(error)
 
+    def lead_to_worst(self) -> None:
+        """Show what stays bent of all of the part, from a side from which its worst place is seen."""
+        shown, checkpoint = on_show(self._state), self._state.checkpoint
+        if shown is not None and shown.verdict is not None and checkpoint is not None:
+            self.look_round(badge.worst_vertex(self._still.mesh, checkpoint, shown.verdict))
+            if self._still.layer(STAYS_BENT) is not None:
+                self.layer = STAYS_BENT
+
     def _follow(self, _change: Any) -> None:
         self._catch_up()
 
@@ -247,9 +255,9 @@ class RunViewer(Linked, Viewer):
         if change["new"] is not None:
             self._before = self._before if shown == MOMENT else shown
             self.layer = MOMENT
-        turned = (change["new"] or change["old"]).normal != UP
-        if turned:  # it does not stand where it stood
-            self._orbit.follow(self.subject.mesh)
+        falls = change["new"] is not None
+        if falls or change["old"].normal != UP:  # it does not stand where it stood
+            self._orbit.follow(self.subject.mesh, self.player.highest(self._still.mesh.size) if falls else 0.0)
             self.fit()
         if change["new"] is None and shown == MOMENT and self.subject.layer(self._before):
             self.layer = self._before

@@ -21,6 +21,10 @@ from mechstyle_widgets.viewer.layers import Layer
 from mechstyle_widgets.viewer.shaders import HIDDEN, MOST_PINS, OWN, WHOLE
 
 BACKGROUNDS = {"light": "#f6f6f4", "dark": "#1e1f22"}
+SHADES = {"light": [0.87, 0.87, 0.86], "dark": [0.07, 0.075, 0.085]}
+"""Colours of a shadow on them."""
+SUNK = 0.002
+"""How far below its floor a shadow lies, of the size of the part, so that the grid is drawn over it."""
 RULER = "#d9480f"
 """Colour of the bar that is measured along: seen on both backgrounds and from every ramp."""
 THICK, HEAD = 0.008, 8.0
@@ -39,8 +43,7 @@ class Scene:
         """Build it whole around a part, with `centre` [mm] at the origin, about which the controls orbit."""
         self._vertices, self._normals = _attribute(mesh.vertices), _attribute(mesh.vertex_normals)
         self._colours, self._places = _attribute(_own_colours(mesh)), _attribute(np.full(len(mesh.vertices), OWN))
-        self._protected, self._creases = _attribute(np.zeros(len(mesh.vertices))), _attribute(np.zeros(len(mesh.vertices)))
-        self._beside = trimesh.graph.face_adjacency(mesh.faces, return_edges=True)  # type: ignore[no-untyped-call]
+        self._protected = _attribute(np.zeros(len(mesh.vertices)))
         count = 5 + MOST_PINS
         self._spots, self._kinds = _attribute(np.zeros((count, 3))), _attribute(np.full(count, HIDDEN))
         self._cut: tuple[Plane, bool] = (WHOLE, False)
@@ -56,16 +59,27 @@ class Scene:
         index = pythreejs.BufferAttribute(mesh.faces.ravel().astype(np.uint32), normalized=False)
         self._geometry = pythreejs.BufferGeometry(attributes={
             "position": self._vertices, "normal": self._normals, "colour": self._colours, "place": self._places,
-            "is_protected": self._protected, "crease": self._creases, "index": index,
+            "is_protected": self._protected, "index": index,
         })  # fmt: skip
         material = pythreejs.ShaderMaterial(
             vertexShader=shaders.PART_VERTEX, fragmentShader=shaders.PART_FRAGMENT, extensions={"derivatives": True}, side="DoubleSide",
             uniforms=_uniforms(_texture(shaders.ramp()), WHOLE, filled=False),
         )  # fmt: skip
         self.part = pythreejs.Mesh(self._geometry, material)
-        children = [self.part, *_floor(mesh), self._ruler, self._markers(near_side=False), self._markers(near_side=True)]
+        level = float(mesh.vertices[:, 2].min()) - SUNK * mesh.size
+        self._shadow = pythreejs.Mesh(self._geometry, pythreejs.ShaderMaterial(
+            vertexShader=shaders.SHADOW_VERTEX, fragmentShader=shaders.SHADOW_FRAGMENT, side="DoubleSide",
+            uniforms={"level": {"value": level}, "shade": {"value": SHADES[theme]}},
+        ), frustumCulled=False)  # fmt: skip
+        children = [self.part, self._shadow, *_floor(mesh), self._ruler, self._markers(near_side=False), self._markers(near_side=True)]
         self._stage = pythreejs.Group(children=children, position=(-np.asarray(centre)).tolist())
         self.three = pythreejs.Scene(children=[self._stage], background=BACKGROUNDS[theme])
+
+    def light(self, theme: str) -> None:
+        """Take the ground of another theme, and its shadows."""
+        self.three.background = BACKGROUNDS[theme]
+        material = self._shadow.material
+        material.uniforms = {**material.uniforms, "shade": {"value": SHADES[theme]}}
 
     def move(self, mesh: SurfaceMesh) -> None:
         """Take over the positions, normals and colours of a mesh of the same faces."""
@@ -74,11 +88,9 @@ class Scene:
         self._colours.array = _single(_own_colours(mesh))
         self._geometry.exec_three_obj_method("computeBoundingSphere")
 
-    def paint(self, layer: Layer | None, mesh: SurfaceMesh) -> None:
-        """Show a field, the creases of the surface drawn over it, or the part's own colours."""
+    def paint(self, layer: Layer | None) -> None:
+        """Show a field, or the part's own colours."""
         count = len(self._places.array)
-        if layer is not None:
-            self._creases.array = _creases(mesh, self._beside)
         self._places.array = np.full(count, OWN, np.float32) if layer is None else shaders.paint(layer.values, layer.scale)
 
     def hatch(self, protected: NDArray[np.bool_] | None) -> None:
@@ -209,19 +221,6 @@ def _bar(foot: Floats, tip: Floats, thick: float, *, arrow: bool) -> Floats:
     up = np.array([0.0, 0.0, 1.0])
     turned: Any = trimesh.geometry.align_vectors(up, tip - foot if length > 0.0 else up)  # type: ignore[no-untyped-call]
     return np.asarray(foot + corners @ turned[:3, :3].T)
-
-
-def _creases(mesh: SurfaceMesh, beside: tuple[NDArray[np.int64], NDArray[np.int64]]) -> Floats32:
-    """The largest angle between two triangles at each vertex [rad], shape [vertex_count].
-
-    `beside` has pairs of triangles that share an edge, and the ends of each edge, both of shape [n, 2].
-    """
-    (one, other), (start, end) = beside[0].T, beside[1].T
-    angles = np.arccos(np.clip(np.einsum("ij,ij->i", mesh.face_normals[one], mesh.face_normals[other]), -1.0, 1.0)).astype(np.float32)
-    found = np.zeros(len(mesh.vertices), np.float32)
-    for ends in (start, end):
-        np.maximum.at(found, ends, angles)
-    return found
 
 
 def _own_colours(mesh: SurfaceMesh) -> NDArray[np.floating]:

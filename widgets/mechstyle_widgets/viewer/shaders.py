@@ -21,8 +21,8 @@ OWN, NOTHING, OPEN = 1000.0, -1000.0, -3.0
 MAXIMUM, MINIMUM, PICKED, END, PIN, HIDDEN = 0.0, 1.0, 2.0, 3.0, 10.0, -1.0  # kinds of markers; PIN + 1 is number 1
 COLUMNS, ROWS, CELL = 6, 4, 32  # of the numbers of pins in their texture, and their size [pixels]
 MOST_PINS = COLUMNS * ROWS
-FOLDED, DRAWN = (0.35, 0.8), 0.55
-"""Angles between two triangles at which the edge between them begins to be drawn over a field and is darkest [rad]; how dark that is."""
+LEANS = (0.16, 0.1)
+"""How far a shadow lies beside what throws it, along x and y, as a share of its height above the floor."""
 WHOLE = (0.0, 0.0, 0.0, 1.0)
 """The plane (normal, distance) that cuts nothing off."""
 
@@ -65,19 +65,18 @@ PART_VERTEX = """
 attribute vec3 colour;
 attribute float place;
 attribute float is_protected;
-attribute float crease;
-varying float v_crease;
 varying vec3 v_colour;
 varying vec3 v_normal;
 varying float v_place;
 varying float v_protected;
 varying vec3 v_at;
+varying vec3 v_seen;
 void main() {
     v_at = position;
+    v_seen = (modelViewMatrix * vec4(position, 1.0)).xyz;
     v_colour = colour;
     v_place = place;
     v_protected = is_protected;
-    v_crease = crease;
     v_normal = normalMatrix * normal;
     gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
 }
@@ -89,17 +88,19 @@ uniform vec4 cut;  // what lies beyond this plane is cut off
 uniform float filled;
 uniform float bands;  // how many colours a field has, 0 for all
 varying vec3 v_at;
+varying vec3 v_seen;
 varying vec3 v_colour;
 varying vec3 v_normal;
 varying float v_place;
 varying float v_protected;
-varying float v_crease;
 
 vec3 to_light(vec3 c) {{ return mix(c / 12.92, pow((c + 0.055) / 1.055, vec3(2.4)), step(0.04045, c)); }}
 vec3 to_display(vec3 c) {{ return mix(12.92 * c, 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, c)); }}
 
 float light() {{
+    vec3 facet = normalize(cross(dFdx(v_seen), dFdy(v_seen)));
     vec3 normal = normalize(gl_FrontFacing ? v_normal : -v_normal);
+    normal = normalize(mix(facet, normal, smoothstep(0.70, 0.85, dot(facet, normal))));  // edges stay crisp, rounds smooth
     vec3 sky = (viewMatrix * vec4(0.0, 0.0, 1.0, 0.0)).xyz;
     vec3 flip = vec3(1.0, sky.z < 0.0 ? -1.0 : 1.0, 1.0);  // what faces down is lit from below
     float key = max(dot(normal, normalize({_vec(KEY)}) * flip), 0.0);
@@ -139,9 +140,24 @@ void main() {{
     bool own = v_place > {OWN / 2:.1f};
     float shade = own ? light() : mix(light(), 1.0, {FLATNESS:.4f});
     vec3 colour = hatched() ? {_vec(ABSENT)} : own ? v_colour : field();
-    if (!own) colour = mix(colour, {_vec(LINE)}, {DRAWN:.2f} * smoothstep({FOLDED[0]:.2f}, {FOLDED[1]:.2f}, v_crease));  // the relief
     gl_FragColor = vec4(to_display(min(to_light(colour) * shade, 1.0)), 1.0);
 }}
+"""
+
+SHADOW_VERTEX = f"""
+uniform float level;  // of the floor
+void main() {{
+    vec3 fallen = vec3(position.xy + vec2({LEANS[0]:.2f}, {LEANS[1]:.2f}) * max(position.z - level, 0.0), level);
+    gl_Position = projectionMatrix * modelViewMatrix * vec4(fallen, 1.0);
+}}
+"""
+
+SHADOW_FRAGMENT = """
+uniform vec3 shade;
+void main() {
+    if ((viewMatrix * vec4(0.0, 0.0, 1.0, 0.0)).z < 0.0) discard;  // from below the floor would hide the part
+    gl_FragColor = vec4(shade, 1.0);
+}
 """
 
 FLOOR_VERTEX = """

@@ -139,13 +139,12 @@ class Viewer(Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipy
         self._said = lean(ipywidgets.HTML)
         self._said.add_class("mechstyle-said")
         self._legend, self._scale, self._table = lean(ipywidgets.HTML), lean(ipywidgets.HTML), lean(ipywidgets.HTML)
-        over = lean(ipywidgets.VBox, [self._said, self._legend])
         self._legend.add_class("mechstyle-legend")
-        over.add_class("mechstyle-over")
         self._scale.add_class("mechstyle-scale")
-        seen = lean(ipywidgets.VBox, [self._stage, over, self._scale])
+        seen, under = lean(ipywidgets.VBox, [self._stage, self._said]), lean(ipywidgets.HBox, [self._legend, self._scale])
         seen.add_class("mechstyle-seen")
-        window = lean(ipywidgets.VBox, [self.badge, self._titles, seen])
+        under.add_class("mechstyle-under")
+        window = lean(ipywidgets.VBox, [self.badge, self._titles, seen, under])
         window.add_class("mechstyle-stage")
         self.section = Section(mesh.vertices.min(axis=0), mesh.vertices.max(axis=0))
         self._toolbar = Toolbar(self.fit, self.picture)
@@ -289,7 +288,7 @@ class Viewer(Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipy
     @traitlets.observe("theme")
     def _relight(self, change: dict[str, Any]) -> None:
         for scene in self._scenes:
-            scene.three.background = BACKGROUNDS[change["new"]]
+            scene.light(change["new"])
 
     # what is drawn
 
@@ -303,7 +302,7 @@ class Viewer(Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipy
                 views.enter_context(view.hold())
             for scene, subject, painted in zip(self._scenes, self._shown, layers, strict=False):
                 scene.move(subject.mesh)
-                scene.paint(painted, subject.mesh)
+                scene.paint(painted)
                 scene.band(bands)
                 scene.cut(self.section.plane, filled=self.section.filled)
                 field, drawn = subject.layer(self.layer) if self.markers else None, self.measured or self.arrow

@@ -1,11 +1,11 @@
-// The impact of the part, moment by moment: it opens at the peak, and plays from first touch to the shape that stays.
+// The fall of the part as a film: it opens at the peak, and plays from the air to the shape that stays.
 
 import { Player, element } from "./player.js";
 import { plane } from "./replay_data.js";
 
 const FACTORS = [1, 5, 10, 20, 50, 100], USUAL = 20;
 const IMPACT_KEYS = "Drag to turn, shift-drag to move, click and scroll to zoom. Keys: arrows turn or scrub, + and − zoom, 0 resets, " +
-  "space plays from first touch to the shape that stays.";
+  "space plays from the air to the shape that stays.";
 
 // The part at a moment: its motion as a whole as it is, its deformation exaggerated.
 function struck({ positions: p, channels, frames, exaggeration }, frame, out) {
@@ -66,10 +66,11 @@ export class ImpactPlayer extends Player {
 
   besides() {}
   get over() { return this.frame === this.end; } // at rest in the shape that stays
-  named(frame) { return this.over ? "at rest" : `${(1000 * frame.time).toFixed(0)} microseconds`; }
-  counted(frame) { return this.over ? "at rest" : `${(1000 * frame.time).toFixed(0)} µs`; }
+  named(frame) { return "above" in frame ? this.counted(frame) : this.over ? "at rest" : `${(1000 * frame.time).toFixed(0)} microseconds`; }
+  counted(frame) { return "above" in frame ? `${frame.above.toFixed(0)} mm up` : this.over ? "at rest" : `${(1000 * frame.time).toFixed(0)} µs`; }
   sentence(frame) {
     const { name, stays, exaggeration, peak } = this.replay, drawn = `drawn × ${exaggeration}; the floor lies level below.`;
+    if ("above" in frame) return `Landing ${name}: it falls from ${this.replay.fall}, ${frame.above.toFixed(0)} mm above the floor.`;
     if (this.over) return `Landing ${name}: ${stays} stays bent, ${drawn} Hatched is what has yielded.`;
     const at = this.frame === peak ? ", the moment of the peak" : "";
     return `Landing ${name}: ${(1000 * frame.time).toFixed(0)} µs after first touch${at}. Deformation ${drawn}`;

@@ -1,7 +1,7 @@
 // What only the page knows of a Studio: how much room it has, whether the theme is dark, which key was pressed, the whole screen;
 // and what only a page can do: hand a file over.
 
-const LEAST = 320, BELOW = 52; // least height of a view in the full window, and what it leaves for the head of the timeline [px]
+const LEAST = 320, BELOW = 52; // least height of a view in the full window, and what it leaves for the head of the timeline under its scale [px]
 const QUIET = 120; // a size counts when it has stood still for so long [ms]
 const IN_VIEW = ["+", "-", "=", "Home", "Enter", "PageUp", "PageDown"], ANYWHERE = [..."rn.>c123456amxoliwpzy"];
 const ROOTS = ".mechstyle-studio, .mechstyle-alone";
@@ -59,6 +59,7 @@ function initialize({ model }) {
   recover(model.widget_manager);
   model.on("msg:custom", (message, buffers) => {
     if (message.kind === "text") navigator.clipboard?.writeText(message.text).catch(() => {}); // the page shows it as well
+    if (message.kind === "news" && document.hidden && globalThis.Notification?.permission === "granted") new Notification(message.text);
     if (message.kind !== "file") return;
     const address = URL.createObjectURL(new Blob(buffers, { type: message.type }));
     const link = Object.assign(document.createElement("a"), { href: address, download: message.name });
@@ -105,6 +106,10 @@ function render({ model, el }) {
     watch(new ResizeObserver(measure), stage);
     undo.push(() => clearTimeout(timer));
     listen(root, "mechstyle-full", measure);
+    takeFiles(model, stage, listen);
+    listen(root.querySelector(".mechstyle-run"), "click", () => { // a long run may end while nobody looks
+      if (globalThis.Notification?.permission === "default") Notification.requestPermission();
+    });
     const light = () => {
       model.set("dark", document.body.dataset.jpThemeLight ? document.body.dataset.jpThemeLight === "false" : matchMedia("(prefers-color-scheme: dark)").matches);
       model.set("calm", matchMedia("(prefers-reduced-motion: reduce)").matches);
@@ -155,13 +160,31 @@ function holdFocus(root, listen, watch) {
   watch(new MutationObserver(keep), root, { childList: true, subtree: true, attributes: true, attributeFilter: ["disabled"] });
 }
 
+// A file that is dropped on the view is the part from then on; anywhere else the page would go to it.
+function takeFiles(model, stage, listen) {
+  const over = (on) => (event) => {
+    if (![...event.dataTransfer.types].includes("Files")) return;
+    event.preventDefault();
+    event.stopPropagation();
+    stage.classList.toggle("mechstyle-drop", on);
+  };
+  listen(stage, "dragover", over(true));
+  listen(stage, "dragleave", over(false));
+  listen(stage, "drop", async (event) => {
+    over(false)(event);
+    const [file] = event.dataTransfer.files;
+    if (file) model.send({ kind: "dropped", name: file.name }, undefined, [await file.arrayBuffer()]);
+  });
+}
+
 function tell(model, root, stage) {
   const width = Math.round(stage.clientWidth);
   if (!width) return; // hidden: it keeps its size
   let height = Math.min(Math.max(360, 0.51 * width), 560);
   if (root.matches(".mechstyle-window")) {
     const top = (stage.querySelector("canvas") ?? stage).getBoundingClientRect().top + stage.parentElement.scrollTop;
-    height = Math.max(LEAST, root.clientHeight - top - BELOW);
+    const under = [".mechstyle-under", ".mechstyle-moments"].reduce((sum, one) => sum + (stage.querySelector(one)?.offsetHeight ?? 0), 0);
+    height = Math.max(LEAST, root.clientHeight - top - under - BELOW);
   }
   model.set("size", [width, Math.round(height)]);
   model.save_changes();

@@ -31,21 +31,24 @@ function initialize({ model }) {
 function render({ model, el }) {
   const plotly = library();
   let Plotly = null, gone = false;
+  const plot = document.createElement("div"), told = document.createElement("div");
+  told.className = "mechstyle-told";
   el.classList.add("mechstyle-curves");
-  el.style.minHeight = `${model.get("frame").height ?? 0}px`; // nothing moves when it comes
-  el.textContent = plotly.there ? "" : speaking(model)("The curves are drawn as soon as the kernel answers.");
+  el.replaceChildren(plot, told);
+  plot.style.minHeight = `${model.get("frame").height ?? 0}px`; // nothing moves when it comes
+  plot.textContent = plotly.there ? "" : speaking(model)("The curves are drawn as soon as the kernel answers.");
 
   const layout = () => {
     const { shapes, ...rest } = structuredClone(model.get("frame")), at = model.get("head");
     return { ...rest, shapes: [{ ...shapes[0], x0: at, x1: at }, ...shapes.slice(1)] };
   };
   const draw = () => {
-    el.style.minHeight = `${model.get("frame").height}px`;
-    return Plotly.react(el, structuredClone(model.get("data")), layout(), CONFIG);
+    plot.style.minHeight = `${model.get("frame").height}px`;
+    return Plotly.react(plot, structuredClone(model.get("data")), layout(), CONFIG);
   };
   const move = () => {
     const at = model.get("head");
-    return Plotly.relayout(el, { "shapes[0].x0": at, "shapes[0].x1": at });
+    return Plotly.relayout(plot, { "shapes[0].x0": at, "shapes[0].x1": at });
   };
   // What comes in one message, or faster than the page draws, is drawn once; a page that nobody sees draws nothing until somebody does.
   let act = null;
@@ -65,9 +68,11 @@ function render({ model, el }) {
   plotly.ready.then(async (loaded) => {
     if (gone) return;
     Plotly = loaded;
-    el.textContent = "";
+    plot.textContent = "";
     await draw();
-    el.on("plotly_click", ({ points: [first] }) => model.send({ kind: "click", trace: first.curveNumber, point: first.pointNumber }));
+    plot.on("plotly_hover", ({ points: [first] }) => (told.innerHTML = first.data.hovertext?.[first.pointNumber] ?? ""));
+    plot.on("plotly_unhover", () => (told.textContent = ""));
+    plot.on("plotly_click", ({ points: [first] }) => model.send({ kind: "click", trace: first.curveNumber, point: first.pointNumber }));
   });
   if (!plotly.there) model.send({ kind: "plotly" });
   return () => {
@@ -75,7 +80,7 @@ function render({ model, el }) {
     model.off("change:data", redraw);
     model.off("change:frame", redraw);
     model.off("change:head", point);
-    if (Plotly) Plotly.purge(el);
+    if (Plotly) Plotly.purge(plot);
   };
 }
 

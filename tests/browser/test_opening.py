@@ -1,0 +1,55 @@
+"""The first minute: a finished comparison is on show, one button leads on, and a file dropped on the view is the part."""
+
+from __future__ import annotations
+
+import base64
+
+import pytest
+from playwright.sync_api import expect
+
+from mechstyle.geometry.files import save
+from support.knob import knob
+
+pytestmark = pytest.mark.browser
+
+DROP = """([place, name, data]) => {
+    const bytes = Uint8Array.from(atob(data), (one) => one.charCodeAt(0)), given = new DataTransfer();
+    given.items.add(new File([bytes], name));
+    for (const kind of ['dragover', 'drop'])
+        document.querySelector(place).dispatchEvent(new DragEvent(kind, {dataTransfer: given, bubbles: true, cancelable: true}));
+}"""
+
+
+@pytest.fixture(scope="module")
+def opened(notebook):
+    notebook.open("from mechstyle_widgets import Studio\nstudio = Studio()\nstudio")
+    return notebook
+
+
+def test_a_finished_comparison_is_on_show_and_nothing_is_computed(opened):
+    for pane in range(2):
+        opened.drawn(pane)
+    words = opened.page.locator(".mechstyle-studio").inner_text()
+    for said in ("MechStyle", "HOLDS", "Freestyle", "FAILS", "and cracks"):
+        assert said in words
+    assert opened.python("print(studio.state.session, studio.previewer.awaited)") == "None False"
+    opened.keep("opening")
+
+
+def test_no_scale_and_no_word_lies_over_the_part(opened):
+    seen, under = (opened.page.locator(place).first.bounding_box() for place in (".mechstyle-seen", ".mechstyle-under"))
+    assert under["y"] >= seen["y"] + seen["height"] - 1.0
+
+
+def test_the_one_filled_button_waits_for_a_style_of_ones_own(opened):
+    opened.page.get_by_role("button", name="Make yours").click()
+    expect(opened.page.get_by_placeholder("small blue stones")).to_be_focused()
+    expect(opened.page.get_by_placeholder("small blue stones")).to_have_value("")
+
+
+def test_a_file_dropped_on_the_view_is_the_part(opened, tmp_path):
+    save(knob(), tmp_path / "mine.stl")
+    data = base64.b64encode((tmp_path / "mine.stl").read_bytes()).decode()
+    opened.page.evaluate(DROP, [".mechstyle-stage", "mine.stl", data])
+    opened.until("studio.part_picker.name", "mine")
+    opened.drawn()
