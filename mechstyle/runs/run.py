@@ -214,8 +214,6 @@ class Run:
         """
         entry = self.store.find(iteration, self.lane)
         recipe = changed(self.store.recipe(entry.recipe), changes)
-        for warning in idle(changes, recipe):
-            logger.warning("%s", warning)
         if recipe.schedule.iterations <= entry.iteration:
             raise BadInput(f"a branch at iteration {entry.iteration} must go beyond it, not to {recipe.schedule.iterations}: ask for more")
         with self.store.branching():
