@@ -42,7 +42,7 @@ MISTAKES = [
     (lambda: ms.stylize(box(), ["brick"]), "a prompt is text, such as 'brick', not a list"),
     (lambda: ms.load(5), "a part is the path of a file or gallery:NAME, not 5"),
     (lambda: ms.LIBRARY["pla"], "unknown material 'pla': did you mean 'PLA'?"),
-    (lambda: ms.simulate(box(), load="coat.toml"), "unknown argument of simulate 'load': did you mean 'loads'?"),
+    (lambda: ms.simulate(box(), load="coat.toml"), "unknown setting 'load': did you mean 'loads'?"),
     (lambda: ms.stylize(box(), "brick", vertcies=2000), "unknown setting 'vertcies': did you mean 'vertices'"),
     (lambda: ms.Support(at=(1, 2)), "a place is ms.Sphere, ms.Box, ms.HalfSpace or 'resting face', not (1, 2)"),
 ]
