@@ -15,7 +15,7 @@ from scipy.interpolate import PchipInterpolator
 
 from mechstyle.pictures import fields
 from mechstyle.pictures.figure import Panel
-from mechstyle.pictures.panels import Picture, bent_panel, field_panel, picture
+from mechstyle.pictures.panels import Picture, bent_panel, exaggerated, field_panel, picture
 from mechstyle.records import Recipe, Row, sentences
 from mechstyle.records.mesh import Floats, TetMesh
 from mechstyle.runs.recipes import FREESTYLE, plan
@@ -171,8 +171,10 @@ def look(shown: Shown, title: str = "") -> Picture:
 
 
 def bent(shown: Shown, title: str = "") -> Picture:
-    """Styled parts side by side, each above what stays bent of it in its worst test, exaggerated; arguments as for `stress`."""
-    below = [bent_panel(one.surface(at), one.simulation(at), worst(one, at)) for _, (one, at) in _at(shown)]
+    """Styled parts side by side, each above what stays bent of it in its worst test, all by one factor; arguments as for `stress`."""
+    tested = [(one.surface(at), one.simulation(at), worst(one, at)) for _, (one, at) in _at(shown)]
+    factor = min(exaggerated(*one) for one in tested)
+    below = [bent_panel(*one, factor=factor) for one in tested]
     return picture([*_looks(shown), *below], title=title, columns=len(below))
 
 

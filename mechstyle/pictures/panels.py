@@ -76,11 +76,17 @@ def exaggeration(bend: float, size: float) -> int:
     return 1 if bend < sentences.NOTHING else max(factor for factor in FACTORS if factor == 1 or factor * bend <= DRAWN * size)
 
 
-def bent_panel(surface: SurfaceMesh, simulation: Simulation, row: Row, *, title: str = "what stays bent") -> Panel:
+def exaggerated(surface: SurfaceMesh, simulation: Simulation, row: Row) -> int:
+    """Factor by which what stays bent of a part after the test of a row is drawn."""
+    return exaggeration(max(row.permanent_set, EDGE * float(fields.stays_bent(row).of(simulation).max())), surface.size)
+
+
+def bent_panel(
+    surface: SurfaceMesh, simulation: Simulation, row: Row, *, title: str = "what stays bent", factor: int | None = None
+) -> Panel:
     """A part in the shape that it keeps after the test of a row, exaggerated, coloured by how far it is off [mm]."""
     bend, quantity = simulation.set_of(landing=row.landing, load=row.load), fields.stays_bent(row)
-    values = quantity.of(simulation)
-    factor = exaggeration(max(row.permanent_set, EDGE * float(values.max())), surface.size)
+    values, factor = quantity.of(simulation), factor or exaggerated(surface, simulation, row)
     shape = surface.moved(surface.vertices + np.float32(factor) * bend)
     drawn = f", drawn × {factor}" if factor > 1 else ""
     note = f"{sentences.figures(row)}; shown is the last shape that bore the load" if row.collapses else sentences.figures(row)

@@ -8,8 +8,9 @@ import msgspec
 import numpy as np
 import pytest
 
+from mechstyle import teaching
 from mechstyle.errors import BadInput
-from mechstyle.pictures.panels import Picture, bent_panel, exaggeration
+from mechstyle.pictures.panels import Picture, bent_panel, exaggerated, exaggeration
 from mechstyle.records.material import LIBRARY
 from mechstyle.records.mesh import TetMesh
 from mechstyle.runs import run as module
@@ -89,6 +90,18 @@ def test_a_bend_is_drawn_in_its_shape_so_large_that_it_can_be_seen(run):
     surface, simulation, row = run.surface(20), run.simulation(20), run.checkpoint(20).verdict.deciding
     panel = bent_panel(surface, simulation, row)
     assert panel.mesh.vertices == pytest.approx(surface.vertices + 100.0 * simulation.set_of(landing="flat"), abs=1e-4)
+
+
+def test_parts_side_by_side_are_bent_by_one_factor(run, monkeypatch):
+    """The plain part stood there bent more than the one that failed: × 100 beside × 10."""
+    taken, row, (surface, simulation) = [], run.checkpoint(20).verdict.deciding, (run.surface(20), run.simulation(20))
+    rows = [row, msgspec.structs.replace(row, permanent_set=0.3)]
+    little, more = (exaggerated(surface, simulation, one) for one in rows)
+    assert more < little
+    monkeypatch.setattr(teaching, "picture", lambda panels, **_: taken.extend(panels))
+    monkeypatch.setattr(teaching, "worst", lambda *_: rows.pop(0))
+    teaching.bent({"little": (run, 20), "more": (run, 20)})
+    assert [panel.title for panel in taken[2:]] == 2 * [f"what stays bent, drawn × {more}"]
 
 
 def test_of_a_part_that_gives_way_the_caption_says_which_shape_is_shown(run):
