@@ -54,7 +54,8 @@ def scale_bar(pixels_per_mm: float, cell: float) -> str:
     length = round_length(110.0 / pixels_per_mm)
     style = f"width:{length * pixels_per_mm:.0f}px;height:5px;border:solid {INK};border-width:0 1.5px 1.5px"
     bar = f'<div role="img" aria-label="{word("scale bar of {} mm").format(f"{length:g}")}" style="{style}"></div>'
-    return _block(f'{bar}<div>{length:g} mm <span style="color:{FAINT}">· {word("grid")} {cell:g} mm</span></div>')
+    words = f'<span>{length:g} mm <span style="color:{FAINT}">· {word("grid")} {cell:g} mm</span></span>'
+    return _block(f'<div style="display:flex;align-items:center;gap:8px">{bar}{words}</div>')
 
 
 def protected(vertices: NDArray[np.bool_], mesh: SurfaceMesh) -> str:
