@@ -72,6 +72,7 @@ def period_of(tets: Callable[[], TetMesh], recipe: Recipe, memos: Memos) -> floa
     period = memos.recall(key, float)
     if period is None:  # with the mass of any test: what is remembered must not depend on who asked first
         body = tets()
-        period = lowest_period(discretise(body, material, DropTest.added_mass, element_named(element), printed_body(body, recipe)))
+        relative = None if recipe.printed.solid else printed_body(body, recipe)
+        period = lowest_period(discretise(body, material, DropTest.added_mass, element_named(element), relative))
         memos.remember(key, period)
     return period

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mechstyle.errors import SimulationFailed
+from mechstyle.fea.discretisation import Relative
 from mechstyle.fea.drop import Drop, History, drop
 from mechstyle.fea.elements import at_vertices
 from mechstyle.fea.explicit import Progress, no_progress
@@ -157,7 +158,8 @@ class DropSimulator:
         found = Simulation(
             displacement=morphed.displacement, contact=landed[0].contact, backed_off=morphed.backed_off, deviation=morphed.deviation,
             carried=fit.whole, thicker=fit.thicker, grounded=fit.grounded, volume_error=fit.volume,
-            volume=float(morphed.tets.volumes.sum()), plastic_share=plastic_share(morphed.tets, self.recipe),
+            volume=float(morphed.tets.volumes.sum()),
+            plastic_share=1.0 if self.recipe.printed.solid else plastic_share(morphed.tets, self.recipe),
             mesh=body.tets.digest, level_share=body.shape.level_base.share(morphed.displacement), meshing=meshing,
             time_step=landed[0].time_step, steps=max(one.steps for one in landed), added_mass=landed[0].added_mass,
             failure=failure or loads.failure,
@@ -205,8 +207,12 @@ class DropSimulator:
         normals, test = self.landings.normals[list(numbers)], prescribed(self.recipe)
         return drop(
             tets, self.recipe.test.material, normals, test, device=self.device, progress=self.progress, period=self.period,
-            relative=printed_body(tets, self.recipe),
+            relative=self._inside(tets),
         )  # fmt: skip
+
+    def _inside(self, tets: TetMesh) -> Relative | None:
+        """What the tetrahedra of a print have of the properties of its plastic; None where they are solid."""
+        return None if self.recipe.printed.solid else printed_body(tets, self.recipe)
 
     def _brought(self, body: Body, morphed: Morphed, result: Drop, index: int, number: int) -> Landed:
         """One landing of a drop in figures, and its fields at the surface; none, with the reason, where the drop failed."""
@@ -222,7 +228,7 @@ class DropSimulator:
         permanent_set = plastic_strain = 0.0
         stress = body.field_at_surface(at_vertices(tets, result.von_mises[index]))
         if test.criterion != "paper":
-            relative = printed_body(tets, self.recipe)
+            relative = self._inside(tets)
             density = 1.0 if relative is None else relative.density
             permanent_set, place, plastic_strain = measured(tets, result.permanent[index], result.tension_strain[index], density)
             strain = body.field_at_surface(at_vertices(tets, result.plastic_strain[index]))
@@ -260,7 +266,7 @@ class DropSimulator:
         try:
             cases = static.loaded(
                 tets, test.material, across=test.across_layers, tolerance=test.tolerance, elastic=elastic, progress=self.progress,
-                relative=printed_body(tets, self.recipe),
+                relative=self._inside(tets),
             ).values()  # fmt: skip
         except SimulationFailed as error:
             return UnderLoads(failure=str(error))
