@@ -16,7 +16,7 @@ class MechStyleError(Exception):
         ...     ms.load("no-such-part.stl")
         ... except ms.MechStyleError as error:
         ...     print(error)
-        no-such-part.stl does not exist from ...; check the path
+        no-such-part.stl does not exist in ...; check the path
     """
 
     def _render_traceback_(self) -> list[str]:

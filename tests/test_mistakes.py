@@ -60,7 +60,7 @@ def test_a_path_that_is_no_file_is_named_with_the_folder_it_was_looked_for_in(ar
     monkeypatch.chdir(tmp_path)
     (tmp_path / "parts").mkdir()
     assert "parts is a folder, not a file; name the mesh file itself" in refused(*arguments, "parts")
-    assert f"runs/none does not exist from {tmp_path}; check the path" in " ".join(refused(*arguments, "runs/none").split())
+    assert f"runs/none does not exist in {tmp_path}; check the path" in " ".join(refused(*arguments, "runs/none").split())
 
 
 @pytest.mark.parametrize(

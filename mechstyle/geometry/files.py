@@ -232,7 +232,7 @@ def is_there(path: Path) -> bool:
 def _check_there(file: Path) -> None:
     """Refuse what is no file, with the folder in which a path that is not there was looked for."""
     if not is_there(file):
-        where = "" if file.is_absolute() else f" from {Path.cwd()}"
+        where = "" if file.is_absolute() else f" in {Path.cwd()}"
         raise BadInput(f"{file} does not exist{where}; check the path")
     if not file.is_file():
         raise BadInput(f"{file} is a folder, not a file; name the mesh file itself")

@@ -188,7 +188,7 @@ class Store:
         if not lane.head:
             return False
         entry = self.entry(lane.head)
-        return entry.final and entry.recipe == lane.recipe
+        return entry.final and (entry.recipe == lane.recipe or self.recipe(entry.recipe) == self.recipe(lane.recipe))
 
     def history(self, lane: str = "main") -> list[Entry]:
         """All checkpoints of a lane, its inherited past included, oldest first."""

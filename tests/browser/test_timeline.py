@@ -50,7 +50,7 @@ def test_a_click_on_a_simulation_shows_that_iteration(shown):
 
 def test_hovering_tells_why_it_was_simulated(shown):
     shown.page.mouse.move(*shown.page.evaluate(PLACE, ["yaxis", 8, "main"]))
-    told = shown.page.locator(".mechstyle-timeline .mechstyle-told")
+    told = shown.page.locator(".mechstyle-timeline .mechstyle-hint")
     told.get_by_text("tested after step 8").wait_for()
     assert "iteration 8" in told.text_content()
     shown.keep("timeline-hover")

@@ -36,7 +36,7 @@ def test_a_file_is_loaded_by_its_path_with_what_was_done_to_it(tmp_path, cube, k
         ("gallery:vse", None, "unknown gallery model 'vse': did you mean 'vase'"),
         ("gallery:vase", 25.4, "gallery:vase: scale, unit, size, body and an axis for up are for files; gallery models are in millimetres"),
         ("vase", None, "vase is a model of the gallery: write gallery:vase"),
-        ("cup", None, "cup does not exist from "),
+        ("cup", None, "cup does not exist in "),
     ],
 )
 def test_an_address_that_cannot_be_opened_is_refused(address, scale, said):

@@ -11,6 +11,8 @@ from hypothesis import strategies as st
 from mechstyle.errors import BadInput, DamagedStore
 from mechstyle.loop.garbage import collect
 from mechstyle.loop.store import Lane, Store, parse_address
+from mechstyle.records import Recipe
+from mechstyle.records.material import LIBRARY
 from support.records import VERDICT, checkpoint, recipe
 
 KEY = "5" * 64
@@ -153,15 +155,29 @@ def test_a_lane_comes_back_as_it_was_moved(store):
 
 
 def test_a_lane_is_finished_when_its_head_is_the_end_of_its_own_recipe(store):
-    store.move("main", Lane(recipe=KEY))
+    wish = Recipe.of(prompt="brick", material=LIBRARY["PLA"], iterations=40)
+    own, longer = store.put_recipe(wish), store.put_recipe(wish.with_settings(iterations=80))
+    store.move("main", Lane(recipe=own))
     assert not store.is_finished()
-    store.move("main", Lane(recipe=KEY, head=store.objects.put_record(checkpoint(recipe=KEY))))
+    store.move("main", Lane(recipe=own, head=store.objects.put_record(checkpoint(recipe=own))))
     assert not store.is_finished()
-    end = store.objects.put_record(checkpoint(recipe=KEY, final=True))
-    store.move("main", Lane(recipe=KEY, head=end))
+    end = store.objects.put_record(checkpoint(recipe=own, final=True))
+    store.move("main", Lane(recipe=own, head=end))
     assert store.is_finished()
-    store.move("longer", Lane(recipe="6" * 64, head=end, forked_from=end))
+    store.move("longer", Lane(recipe=longer, head=end, forked_from=end))
     assert not store.is_finished("longer")
+
+
+def test_a_lane_stays_finished_when_recipes_have_got_a_setting_more(store):
+    """Begun again, it was at its end and said for ever to be carried on by the same command."""
+    wish = Recipe.of(prompt="brick", material=LIBRARY["PLA"], iterations=40)
+    before = msgspec.to_builtins(wish)
+    del before["printed"]
+    older = store.objects.put(msgspec.json.encode(before, order="deterministic"))
+    end = store.objects.put_record(checkpoint(recipe=older, final=True))
+    store.move("main", Lane(recipe=store.put_recipe(wish), head=end))
+    assert older != store.put_recipe(wish)
+    assert store.is_finished()
 
 
 def test_main_is_the_first_of_the_lanes(store):

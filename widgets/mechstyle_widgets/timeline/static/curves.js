@@ -31,10 +31,10 @@ function initialize({ model }) {
 function render({ model, el }) {
   const plotly = library();
   let Plotly = null, gone = false;
-  const plot = document.createElement("div"), told = document.createElement("div");
-  told.className = "mechstyle-told";
+  const plot = document.createElement("div"), hint = document.createElement("div");
+  hint.className = "mechstyle-hint";
   el.classList.add("mechstyle-curves");
-  el.replaceChildren(plot, told);
+  el.replaceChildren(plot, hint);
   plot.style.minHeight = `${model.get("frame").height ?? 0}px`; // nothing moves when it comes
   plot.textContent = plotly.there ? "" : speaking(model)("The curves are drawn as soon as the kernel answers.");
 
@@ -70,8 +70,8 @@ function render({ model, el }) {
     Plotly = loaded;
     plot.textContent = "";
     await draw();
-    plot.on("plotly_hover", ({ points: [first] }) => (told.innerHTML = first.data.hovertext?.[first.pointNumber] ?? ""));
-    plot.on("plotly_unhover", () => (told.textContent = ""));
+    plot.on("plotly_hover", ({ points: [first] }) => (hint.innerHTML = first.data.hovertext?.[first.pointNumber] ?? ""));
+    plot.on("plotly_unhover", () => (hint.textContent = ""));
     plot.on("plotly_click", ({ points: [first] }) => model.send({ kind: "click", trace: first.curveNumber, point: first.pointNumber }));
   });
   if (!plotly.there) model.send({ kind: "plotly" });
