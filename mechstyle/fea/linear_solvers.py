@@ -1,6 +1,6 @@
 """Equations of a body: a preconditioner in two levels, K x = f by conjugate gradients, and the lowest elastic period, K x = ω² M x.
 
-K of a held body, of which few right sides are solved precisely, and of a free one, of which many are at once.
+K of a held body is solved precisely for few right sides, that of a free one nearly for many.
 """
 
 from __future__ import annotations
@@ -141,14 +141,15 @@ def _factors(matrix: csc_array) -> Callable[[Floats], Floats]:
     return splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}).solve
 
 
-AT_ONCE = 16
-"""Right sides that are solved for together: the matrix is read once for all of them, and as many columns stay in the cache."""
 ENOUGH = 1e-5
 """Error in the norm of energy over that of the solution, as the preconditioner has it, at which a free body is solved."""
 
 
 class FreeBody:
-    """Solves K x = f of a body that nothing holds, for loads in equilibrium, many at once; prepared once."""
+    """Solves K x = f of a body that nothing holds, for loads in equilibrium; prepared once.
+
+    Each load is solved for by itself: what it leaves is the same to the bit, whatever is asked for with it. Together is no quicker.
+    """
 
     def __init__(self, body: Discretisation) -> None:
         self._matrix, self._body = body.stiffness.matrix(), body
@@ -157,20 +158,22 @@ class FreeBody:
         self._nearly = TwoLevel(self._matrix, linear_fields(body.connectivity, len(body.masses)), self._shift * float(body.masses.mean()))
 
     def displacement(self, loads: Floats) -> Floats:
-        """Displacements without motion as a whole [mm] under loads [N], both of shape [3 node_count, loads].
+        """Displacements without motion as a whole [mm] under loads [N], both of shape [loads, 3 node_count].
 
         Raises:
             SimulationFailed: If the equations cannot be solved.
         """
         if not np.isfinite(loads).all():
             raise SimulationFailed("what a load leaves could not be found: it is not a finite number")
-        solved = np.concatenate([self._solved(loads[:, first : first + AT_ONCE]) for first in range(0, loads.shape[1], AT_ONCE)], axis=1)
-        return np.asarray(solved - self._rigid @ (self._rigid.T @ (self._root * solved)) / self._root)
+        return np.stack([self._without_motion(self._solved(load[:, None])) for load in loads])
 
-    def _solved(self, loads: Floats) -> Floats:
-        found = _by_conjugate_gradients(self._matrix, self._nearly, loads)
+    def _without_motion(self, solved: Floats) -> Floats:
+        return np.asarray(solved - self._rigid @ (self._rigid.T @ (self._root * solved)) / self._root)[:, 0]
+
+    def _solved(self, load: Floats) -> Floats:
+        found = _by_conjugate_gradients(self._matrix, self._nearly, load)
         if found is None:  # flat tetrahedra, see MOST_ROUNDS
-            found = _by_conjugate_gradients(self._matrix, self._factors, loads)
+            found = _by_conjugate_gradients(self._matrix, self._factors, load)
         if found is None:
             raise SimulationFailed("what a load leaves could not be found: its equations were not solved")
         return found
@@ -185,21 +188,25 @@ class FreeBody:
 
 
 def _by_conjugate_gradients(matrix: bsr_array, preconditioner: Callable[[Floats], Floats], right: Floats) -> Floats | None:
-    """A x = b of several right sides, shape [n, columns], each with steps of its own; None if one takes too many."""
+    """A x = b of a right side, shape [n, 1]; None if it takes too many steps."""
     found, rest = np.zeros_like(right), right.copy()
     towards = preconditioner(rest)
-    way, size = towards, np.einsum("nc,nc->c", rest, towards)
-    first = np.maximum(size, np.finfo(float).tiny)
+    way, size = towards, _dot(rest, towards)
+    first = size
     for _ in range(ITERATIONS):
-        if (size <= ENOUGH**2 * first).all():
+        if size <= ENOUGH**2 * first:
             return found
         image = matrix @ way
-        step = size / np.maximum(np.einsum("nc,nc->c", way, image), np.finfo(float).tiny)
+        step = size / _dot(way, image)
         found, rest = found + step * way, rest - step * image
         towards, before = preconditioner(rest), size
-        size = np.einsum("nc,nc->c", rest, towards)
-        way = towards + size / np.maximum(before, np.finfo(float).tiny) * way
+        size = _dot(rest, towards)
+        way = towards + size / before * way
     return None
+
+
+def _dot(one: Floats, other: Floats) -> float:
+    return float(np.einsum("nc,nc->", one, other))  # in one thread: the same sum on every machine
 
 
 PRECISE = 1e-5

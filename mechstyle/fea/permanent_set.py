@@ -64,8 +64,8 @@ class Springback:
         displacement = np.zeros((len(states), len(self._body.masses), 3))
         bent = [number for number, state in enumerate(states) if state.any()]
         if bent:
-            loads = np.stack([self._loads(states[number]).ravel() for number in bent], axis=1)
-            displacement[bent] = self._free.displacement(loads).T.reshape(len(bent), -1, 3)
+            loads = np.stack([self._loads(states[number]).ravel() for number in bent])
+            displacement[bent] = self._free.displacement(loads).reshape(len(bent), -1, 3)
         return displacement
 
     @cached_property

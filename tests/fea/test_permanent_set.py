@@ -333,6 +333,16 @@ def test_nothing_flowed_nothing_stays(block, pla):
     assert (np.any(found[0]), np.any(found[1]), np.any(found[2])) == (False, True, False)
 
 
+def test_what_stays_is_the_same_to_the_bit_whatever_is_asked_for_with_it(block, pla):
+    body, rng = discretise(block, pla, 0.0, QUADRATIC), np.random.default_rng(9)
+    flow = np.zeros((5, len(block.tets), 4, 6))
+    for number in range(5):
+        flow[number, 40 * number : 40 * number + 7 * number + 1] = 0.02 * rng.standard_normal((7 * number + 1, 4, 6))
+    together = Springback(body)(flow)
+    for number in range(5):
+        assert np.array_equal(Springback(body)(flow[[number]])[0], together[number])
+
+
 def test_pieces_apart_are_each_free(block, pla):
     beside = block.moved(block.vertices + np.array([30.0, 0.0, 0.0]))
     count = len(block.tets)
