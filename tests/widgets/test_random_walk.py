@@ -141,7 +141,7 @@ def assert_agrees(studio: Studio) -> None:
     """What is shown is what the state holds."""
     state, viewer, timeline = studio.state, studio._viewer, studio._timeline
     assert studio._middle.children[0] is viewer
-    assert timeline.iteration == timeline.slider.value == state.iteration <= state.iterations_done
+    assert timeline.iteration == timeline._curves.head == state.iteration <= state.iterations_done
     assert timeline.lane == studio.branches.lane == state.lane
     over = state.another and state.status in AT_REST  # what is asked for has not begun
     assert studio.run_controls._bar.value == (0.0 if over else state.fraction)
