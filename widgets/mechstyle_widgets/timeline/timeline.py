@@ -75,9 +75,11 @@ class Timeline(Linked, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[mi
         self._width = width
         self._curves = Curves(self._clicked)
         self._draw_curves()
-        self._play = unseen(lean(ipywidgets.Play, show_repeat=False, description="iteration", tooltip="Play, and stop", max=1, layout={"width": "auto"}))
+        look = {"show_repeat": False, "layout": {"width": "auto"}}
+        self._play = unseen(lean(ipywidgets.Play, description="iteration", tooltip="Play, and stop", max=1, **look))
         self._links_in_page = [
-            ipywidgets.jsdlink((self._curves, "last"), (self._play, "max")), ipywidgets.jslink((self._play, "value"), (self._curves, "head")),
+            ipywidgets.jsdlink((self._curves, "last"), (self._play, "max")),
+            ipywidgets.jslink((self._play, "value"), (self._curves, "head")),
         ]  # fmt: skip
         self._curves.observe(self._slid, "head")
         super().__init__([self._curves, self._play])
