@@ -1,9 +1,10 @@
 """What the Studio and the Viewer cost in JupyterLab, in headless Chromium with software WebGL: figures, not a test.
 
-    python benchmarks/lab.py [viewer|preview|busy|reruns ...]
+    python benchmarks/lab.py [opening|clicks|viewer|preview|busy|reruns ...]
 
-Says what running the Studio's cell over and over leaves behind in the page and in the kernel, garbage collected before each reading;
-how long a new field takes from the kernel to the finished picture of a part of 25k vertices; how soon a Studio shows its style and
+Says how soon a Studio of nothing shows its comparison, another layer and another iteration of it, and how many clicks lead from there to a
+file of one's own; what running the Studio's cell over and over leaves behind in the page and in the kernel, garbage collected before each
+reading; how long a new field takes from the kernel to the finished picture of a part of 25k vertices; how soon a Studio shows its style and
 another one, and how soon the kernel answers while a run goes on.
 Software WebGL draws far slower than any graphics card, and everything here shares the machine's cores: the figures are upper bounds.
 """
@@ -11,13 +12,14 @@ Software WebGL draws far slower than any graphics card, and everything here shar
 from __future__ import annotations
 
 import argparse
+import base64
 import contextlib
 import importlib.util
 import shutil
 import sys
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
 from statistics import median
@@ -34,12 +36,39 @@ assert _SPEC.loader is not None
 browser = importlib.util.module_from_spec(_SPEC)
 sys.modules[_SPEC.name] = browser  # dataclasses look their module up
 _SPEC.loader.exec_module(browser)
+from mechstyle.geometry.files import save  # noqa: E402
+from support.knob import knob  # noqa: E402 — of the tests, too
 
 RERUNS, BETWEEN, OPENINGS = 50, 10, 5
 UPDATES, STYLES, ANSWERS = 30, ("wood", "knit", "wave", "scales", "bamboo"), 60
-OPENED, PREVIEW, LAYER, ANSWER, LEFT = 2000.0, 800.0, 300.0, 200.0, 1.0
-"""What is allowed: a Studio with a style on its part, another style, a layer, an answer of the kernel [ms]; memory of a further run
-[MB]."""
+OPENED, PREVIEW, LAYER, ANSWER, LEFT, CLICKS = 2000.0, 600.0, 150.0, 200.0, 1.0, 4
+"""What is allowed: a Studio with its comparison or a style on its part, another style, another layer or iteration, an answer of the kernel
+[ms]; memory of a further run [MB]; clicks to a file of one's own."""
+EMPTY = """
+from mechstyle.gallery import make
+from mechstyle_widgets import Viewer
+Viewer(make("pen_holder"))
+"""
+OPENING = """
+from mechstyle_widgets import Studio
+studio = Studio()
+studio
+"""
+WITHOUT_PHYSICS = f"""
+import sys
+sys.path.insert(0, {str(Path(__file__).parents[1] / "tests")!r})
+import pytest
+from support.sheet_studio import without_physics
+without_physics(pytest.MonkeyPatch())
+{OPENING}
+"""
+RUN = "() => { window.jupyterapp.commands.execute('notebook:run-all-cells'); }"
+DROP = """([place, name, data]) => {
+    const bytes = Uint8Array.from(atob(data), (one) => one.charCodeAt(0)), given = new DataTransfer();
+    given.items.add(new File([bytes], name));
+    document.querySelector(place).dispatchEvent(new DragEvent('drop', {dataTransfer: given, bubbles: true, cancelable: true}));
+}"""
+WRITE = "code => window.jupyterapp.shell.currentWidget.content.activeCell.model.sharedModel.setSource(code)"
 STUDIO = """
 from mechstyle_widgets import Studio
 studio = Studio("gallery:pen_holder")
@@ -164,7 +193,8 @@ def laboratory() -> Iterator[tuple[Any, Any, Path]]:
 def main() -> None:
     """Measure and print."""
     parts = {
-        "viewer": (VIEWER, of_viewer), "preview": (FINE, of_preview), "busy": (RUNNING, of_a_run), "reruns": (STUDIO, of_reruns),
+        "opening": (EMPTY, of_opening), "clicks": (WITHOUT_PHYSICS, of_clicks), "viewer": (VIEWER, of_viewer),
+        "preview": (FINE, of_preview), "busy": (RUNNING, of_a_run), "reruns": (STUDIO, of_reruns),
     }  # fmt: skip
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     none: list[str] = []  # is a choice, too
@@ -178,6 +208,53 @@ def main() -> None:
                 table.add_row(*row)
             shown.page.context.close()
     Console().print(table)
+
+
+def of_opening(shown: Page) -> Iterator[Row]:
+    """From running the first cell of a kernel until both parts of the comparison are drawn, and from an action to its picture."""
+    notebook, times = shown.notebook, []
+    for _ in range(OPENINGS):
+        notebook.open("pass")
+        shown.page.evaluate(WRITE, OPENING)
+        shown.page.evaluate(WATCH)
+        times.append(_until_drawn(shown, lambda: shown.page.evaluate(RUN), views=2))
+    yield "Studio(): its cell is run in a new kernel, until the comparison is drawn", best(times), f"{OPENED:g} ms"
+    layers, line = shown.page.get_by_label("layer", exact=True).first, shown.page.get_by_role("slider", name="iteration")
+    times = [_until_drawn(shown, lambda name=name: layers.select_option(label=name)) for name in OPENINGS * ("style", "stress")]
+    yield "Studio(): another layer, from the menu to the picture", best(times), f"{LAYER:g} ms"
+    line.focus()
+    times = [_until_drawn(shown, lambda: shown.page.keyboard.press("ArrowLeft")) for _ in range(2 * OPENINGS)]
+    yield "Studio(): another iteration, from the key to the picture", best(times), f"{LAYER:g} ms"
+
+
+def _until_drawn(shown: Page, act: Callable[[], object], *, views: int = 1) -> float:
+    """From an action until so many views have drawn what came of it [ms]."""
+    shown.page.evaluate("() => { window.drawn = []; }")
+    began = 1000.0 * time.time()
+    act()
+    shown.page.wait_for_function("views => window.drawn.length >= views", arg=views)
+    return shown.page.evaluate("views => window.drawn[views - 1]", views) - began
+
+
+def of_clicks(shown: Page) -> Iterator[Row]:
+    """Clicks from the opening to the file of one's own part, styled and tested; the file is dropped on the view."""
+    page, clicks = shown.page, 0
+    with tempfile.TemporaryDirectory() as folder:
+        made = save(knob(), Path(folder) / "mine.stl").read_bytes()
+    for name in ("Make yours", "bamboo", "Run", "3MF"):
+        button = page.locator(".mechstyle-studio").get_by_role("button", name=name, exact=True).first
+        if name == "bamboo":
+            page.evaluate(DROP, [".mechstyle-stage", "mine.stl", base64.b64encode(made).decode()])
+            shown.notebook.until("studio.part_picker.name", "mine")
+        if name == "3MF":
+            shown.notebook.until("studio.state.status", "finished")
+            with page.expect_download() as taken:
+                button.click()
+            assert taken.value.suggested_filename.endswith(".3mf")
+        else:
+            button.click()
+        clicks += 1
+    yield "Studio(): clicks to one's own STL styled, tested and taken as 3MF", str(clicks), str(CLICKS)
 
 
 def of_viewer(shown: Page) -> Iterator[Row]:
@@ -266,6 +343,11 @@ def drawn_after(shown: Page, sent: float) -> float:
     """From a moment of the kernel's clock until the part is drawn next [ms]."""
     shown.page.wait_for_function("sent => window.drawn.some(time => time > sent)", arg=sent)
     return shown.page.evaluate("sent => window.drawn.find(time => time > sent)", sent) - sent
+
+
+def best(times: list[float]) -> str:
+    """The fastest and the median of several: what the machine does besides is in all of them [ms]."""
+    return f"best {min(times):.0f} ms, median {median(times):.0f} ms of {len(times)}"
 
 
 def spread(times: list[float]) -> str:

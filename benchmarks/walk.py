@@ -4,6 +4,7 @@
 
 What can be clicked, chosen or written in the page is acted on in an order that the seed decides, faster than a person would; now and then
 the page is loaded anew. Runs take no time: a part becomes a sheet, as in tests/widgets/test_random_walk.py, which acts without a page.
+Every tenth action badge, Result, pictures and tooltips must say one thing of what is on show, in kernel and page.
 At the end the kernel must answer and the view must show something. Errors of the page, of the kernel and in the log of the server are
 listed with the actions before them, and make the exit status 1.
 """
@@ -27,7 +28,14 @@ import sys
 sys.path.insert(0, {str(TESTS)!r})
 import pytest
 from support.sheet_studio import without_physics
+from support.told import assert_tells_one_truth, outcomes
 from mechstyle_widgets import Studio
+from mechstyle_widgets.viewer.run_viewer import RunViewer
+def shows():
+    return isinstance(studio.viewer, RunViewer) and studio.state.checkpoint is not None and (
+        not studio.controller.busy or studio.state.status == "paused")
+def drawn():
+    return not shows() or studio.viewer._drawn_place == (studio.state.lane, studio.state.iteration)
 without_physics(pytest.MonkeyPatch())
 studio = Studio("gallery:wall_hook", prompt="brick", schedule="every", every=4, iterations=12, vertices=900)
 studio
@@ -42,6 +50,13 @@ LISTEN = """() => {
     });
 }"""
 """Notes what the kernel says of errors, in whatever cell or message."""
+SEEN = """() => [...document.querySelectorAll('.mechstyle-result, .mechstyle-badge:not(:has(.mechstyle-insight))')]
+    .filter(one => one.checkVisibility()).map(one => {
+        const unfolded = one.cloneNode(true);
+        unfolded.querySelectorAll('details, style').forEach(folded => folded.remove()); // what is known of others, too
+        return unfolded.textContent;
+    })"""
+"""What the page says of what is on show."""
 WITHIN_REACH = """() => {
     const kinds = 'button, select, input, textarea, canvas, .noUi-handle, .nsewdrag, summary';
     const there = one => one.checkVisibility({ visibilityProperty: true }) && !one.disabled && one.type !== 'file';
@@ -71,7 +86,7 @@ class Walker:
         self.shown, self.page, self.rng = shown, shown.page, random.Random(seed)
         self.done: list[str] = []
         self.wrong: list[str] = []
-        self.page.on("pageerror", lambda error: None if browser.DEAF in str(error) else self.note(f"page: {error}"))
+        self.page.on("pageerror", lambda error: None if any(one in str(error) for one in browser.NOT_OURS) else self.note(f"page: {error}"))
         self.page.on("console", lambda said: self.note(f"page: {said.text}") if self._ours(said) else None)
         self.page.on("dialog", lambda dialog: dialog.accept())
         self.page.evaluate(LISTEN)
@@ -101,6 +116,18 @@ class Walker:
         for said in self.page.evaluate("() => window.complaints.splice(0)"):
             if not any(one in said for one in ALLOWED):
                 self.note(f"kernel: {said.strip()}")
+        self._compare()
+
+    def _compare(self) -> None:
+        """Badge, Result, pictures and tooltips say one thing of what is on show."""
+        notebook = self.shown.notebook
+        notebook.until("drawn()", True)
+        self.page.evaluate(browser.SETTLED)
+        if said := notebook.python("if shows(): assert_tells_one_truth(studio)"):
+            self.note(f"not one truth: {said}")
+        seen = self.page.evaluate(SEEN)
+        if said := notebook.python(f"if shows(): assert len(found := {{one for text in {seen!r} for one in outcomes(text)}}) == 1, found"):
+            self.note(f"not one truth in the page: {said}")
 
     def _reload(self) -> None:
         self.listen()

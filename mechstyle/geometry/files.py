@@ -146,8 +146,9 @@ def _scaled(file: Path, scale: float | None, unit: str, size: float | None) -> t
     if sum(given.values()) > 1:
         raise BadInput(f"{' and '.join(what for what, is_given in given.items() if is_given)} are given: one of them says it all")
     for what, number, example in (("scale", scale, "25.4 for inches"), ("size", size, "120 for 120 mm")):
-        if number is not None and not (np.isfinite(number) and number > 0):
-            raise BadInput(f"{what} is {number:g}, but must be a positive number, such as {example}")
+        real = isinstance(number, int | float)
+        if number is not None and not (real and np.isfinite(number) and number > 0):
+            raise BadInput(f"{what} is {f'{number:g}' if real else repr(number)}, but must be a positive number, such as {example}")
     factor_given = millimetres(unit) if unit else scale
     held = _checked_content(file)
     corners = np.concatenate([piece.corners for thing in held.things for piece in thing.pieces])

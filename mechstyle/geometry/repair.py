@@ -47,10 +47,7 @@ def solids_of(vertices: Floats, faces: NDArray[np.int64], name: str, notes: list
     # Faces back to back stay for now: bodies that share a side have them, and Manifold takes them out in pairs.
     mesh = trimesh.Trimesh(vertices, faces, process=False)
     mesh.remove_unreferenced_vertices()
-    before = len(mesh.vertices)
-    mesh.merge_vertices()
-    if len(mesh.vertices) < before:
-        notes.append(f"welded {counted(before - len(mesh.vertices), 'duplicate vertex', 'duplicate vertices')}")
+    mesh.merge_vertices()  # which every STL needs: nothing to tell
     welded = SurfaceMesh(mesh.vertices, mesh.faces)
     lowest_first = (welded.faces.argmin(axis=1)[:, None] + np.arange(3)) % 3
     surface = _without_repeats(welded, np.take_along_axis(welded.faces, lowest_first, axis=1))

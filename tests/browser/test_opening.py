@@ -45,6 +45,13 @@ def test_the_one_filled_button_waits_for_a_style_of_ones_own(opened):
     opened.page.get_by_role("button", name="Make yours").click()
     expect(opened.page.get_by_placeholder("small blue stones")).to_be_focused()
     expect(opened.page.get_by_placeholder("small blue stones")).to_have_value("")
+    expect(opened.page.locator(".mechstyle-studio").get_by_role("alert")).to_have_count(0)
+
+
+def test_three_figures_stand_in_a_row(opened):
+    tops = opened.page.locator(".mechstyle-figures > div").evaluate_all("all => all.map(one => one.getBoundingClientRect().top)")
+    assert len(tops) == 3
+    assert len(set(tops)) == 1
 
 
 def test_a_file_dropped_on_the_view_is_the_part(opened, tmp_path):

@@ -52,7 +52,7 @@ def test_hovering_tells_why_it_was_simulated(shown):
     shown.page.mouse.move(*shown.page.evaluate(PLACE, ["yaxis", 8, "main"]))
     told = shown.page.locator(".mechstyle-timeline .mechstyle-hint")
     told.get_by_text("tested after step 8").wait_for()
-    assert "iteration 8" in told.text_content()
+    assert "MechStyle · iteration 8" in told.text_content()
     shown.keep("timeline-hover")
 
 
@@ -65,7 +65,7 @@ def test_a_click_on_another_lane_shows_that_lane(shown):
 
 
 def test_arrow_keys_step(shown):
-    shown.page.locator(".mechstyle-timeline .noUi-handle").focus()
+    shown.page.get_by_role("slider", name="iteration").focus()
     shown.page.keyboard.press("ArrowLeft")
     shown.until(where(shown), "('frozen', 8, 8, 8, 8)")
     shown.page.keyboard.press("ArrowRight")
@@ -73,7 +73,7 @@ def test_arrow_keys_step(shown):
 
 
 def test_it_plays_to_the_end(shown):
-    shown.page.keyboard.press("Home")
+    shown.page.keyboard.press("PageDown")
     shown.until(where(shown), "('frozen', 0, 0, 0, 0)")
     shown.page.locator(".mechstyle-timeline .widget-play button").first.click()
     shown.until(where(shown), "('frozen', 12, 12, 12, 12)")

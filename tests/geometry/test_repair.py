@@ -70,7 +70,7 @@ def test_the_same_input_gives_the_same_bytes():
 def test_a_triangle_soup_is_welded():
     vertices, faces = box()
     surface, notes = fixed((vertices[faces].reshape(-1, 3), np.arange(36).reshape(-1, 3)))
-    assert notes == ("welded 28 duplicate vertices",)
+    assert notes == (), "as every STL is: nothing to tell"
     assert surface.volume == pytest.approx(6000)
 
 
@@ -368,8 +368,7 @@ def test_touching_cubes_are_one_body(flipped_diagonals):
     left, right = box((10.0, 10.0, 10.0)), box((10.0, 10.0, 10.0), at=(10.0, 0.0, 0.0))
     if flipped_diagonals:  # mirrored, so that the shared side has the same triangles from both sides, back to back
         right = left[0] * (-1, 1, 1) + (10, 0, 0), left[1][:, ::-1]
-    surface, notes = fixed(together(left, right))
-    assert notes[0] == "welded 4 duplicate vertices"
+    surface, _ = fixed(together(left, right))
     assert surface.volume == pytest.approx(2000)
     assert surface.face_areas.sum() == pytest.approx(1000)  # nothing is left of the wall between them
 

@@ -121,6 +121,24 @@ def test_an_unknown_setting_is_refused_in_one_line_with_what_to_do(name, cure):
     assert "\n" not in line
 
 
+@pytest.mark.parametrize(
+    ("given", "line"),
+    [
+        ({"threshold": "x"}, "threshold expected a float, not the str 'x'."),
+        ({"vertices": -1}, "vertices should not be less than 1, but a value of -1 was specified"),
+        ({"theme": "blue"}, "theme expected any of ['auto', 'light', 'dark'], not the str 'blue'."),
+        ({"filled": "yes"}, "filled expected a boolean, not the str 'yes'."),
+        ({"prompt": 5}, "prompt expected a unicode string, not the int 5."),
+        ({"scale": "big"}, "scale is 'big', but must be a positive number, such as 25.4 for inches"),
+    ],
+)
+def test_a_value_of_the_wrong_kind_is_refused_in_one_line(tmp_path, cube, given, line):
+    """It ended in 25 lines and the names of widgets inside."""
+    with pytest.raises(BadInput) as refused:
+        Studio(save(cube, tmp_path / "cup.stl"), **given)
+    assert str(refused.value) == line
+
+
 def test_a_second_studio_speaks_the_language_of_the_first():
     """Beside an English one, the view, the badge and the timeline of the German one were English."""
     try:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import difflib
 import math
-from collections.abc import Callable, Mapping
+import re
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -73,8 +75,19 @@ ENDINGS = {"finished": "The run of {} is finished.", "failed": "The run of {} ha
 SHOWN = {field for section in SECTIONS for field in section.FIELDS}
 OF_A_PART = ("relief", "amplitude", "side", "feature", "image_size", "protect", "loads", "minimum_wall", "strengthen")
 """Fields of a recipe that are meant for one part: lengths on it and places of it."""
+TRAIT = re.compile(r"^The (?:value of the )?'(?P<name>\w+)' trait of an? \w+ instance")
+"""How a trait begins to say what it does not take."""
 UNSEEN = tuple(name for name in SETTINGS if name not in SHOWN)
 """Fields of a recipe without a control: what a run was opened with, or was given by name, stays."""
+
+
+@contextmanager
+def plainly() -> Iterator[None]:
+    """Refuse a value of the wrong kind by the name it was given by, in one line."""
+    try:
+        yield
+    except traitlets.TraitError as error:
+        raise BadInput(TRAIT.sub(r"\g<name>", str(error))) from None
 
 
 class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
@@ -99,6 +112,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
     """What the last preview left as it is, but for what was painted or written: digest of its surface, and shape [vertex_count]."""
 
     @sharing()
+    @plainly()
     def __init__(
         self, part: str | Path | SurfaceMesh | Run | None = None, *,
         theme: str = "auto", language: str | None = None, filled: bool = False, **settings: Any,

@@ -27,7 +27,7 @@ def test_lanes_are_listed_with_where_they_come_from(branches):
 def test_choosing_a_lane_shows_it_and_what_it_changed(branches):
     branches._choice.value = "soft"
     assert branches.state.lane == "soft"
-    assert "exponential" in branches._changes.value
+    assert "faster than evenly" in branches._changes.value, "as the setting is called where it is made"
     assert "linear" in branches._changes.value
     branches.state.lane = "main"
     assert branches._choice.value == "main"
@@ -38,7 +38,7 @@ def test_two_iterations_are_compared_in_settings_and_results(branches):
     branches._pin.click()
     branches.state.lane, branches.state.iteration = "soft", 9
     table = {name: (there, here) for name, there, here in branches.comparison()}
-    assert table["control"] == ("exponential", "linear")
+    assert table["control"] == ("faster than evenly", "evenly")
     assert table["iteration"] == ("4", "9")
     assert table["simulated because"] == ("every 4 iterations", "every 3 iterations")
     tested = (branches.state.row(4, "main").verdict, branches.state.row(9, "soft").verdict)

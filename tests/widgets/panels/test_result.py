@@ -9,6 +9,7 @@ import pytest
 
 from mechstyle.records import Doubt, sentences
 from mechstyle.runs.summary import little_left
+from mechstyle_widgets.panels import result
 from mechstyle_widgets.panels.result import Result, figures, of_show, steps
 from mechstyle_widgets.state.on_show import OnShow
 from mechstyle_widgets.state.outcomes import LOOKS
@@ -119,11 +120,22 @@ def test_what_a_part_weighs_and_costs_stands_beside_the_plain_one(done, monkeypa
     told = Result(state).value
     assert f"<dd>{33e3 * density:.0f} g</dd>" in told
     assert f"{33e3 * density * 0.02:.2f} of your currency, plain {30e3 * density:.0f} g" in told
+    assert "printed solid" in told
+
+
+def test_a_print_with_infill_is_not_called_solid(done, monkeypatch):
+    monkeypatch.setattr(type(done.part.surface), "volume", property(lambda _: 30e3))
+    monkeypatch.setattr(result, "plastic_share", lambda *_: 0.8)
+    monkeypatch.setattr(type(done.recipe.printed), "solid", property(lambda _: False))
+    told = Result(StudioState(done)).value
+    assert f"<dd>{0.8 * 30e3 * done.recipe.test.material.density:.0f} g</dd>" in told
+    assert "printed as asked" in told
+    assert "printed solid" not in told
 
 
 def test_three_figures_are_those_of_the_test_that_decides():
     one = verdict(row(0.12, plain_permanent_set=0.06), load_row(0.61))
-    told = figures(OnShow("sheet, brick", verdict=one, kept=0.79), "", "")
+    told = figures(OnShow("sheet, brick", verdict=one, kept=0.79))
     assert "<dd>0.61 mm</dd>" in told
     assert f"allowed {sentences.allowed(one.deciding)}" in told
     assert "<dd>79%</dd>" in told
@@ -131,7 +143,7 @@ def test_three_figures_are_those_of_the_test_that_decides():
 
 
 def test_what_was_not_tested_has_no_figure_of_another_test():
-    told = figures(OnShow("sheet, brick", verdict=None, tested_at=5), "", "")
+    told = figures(OnShow("sheet, brick", verdict=None, tested_at=5))
     assert "NOT TESTED since iteration 5" in told
     assert "mm" not in told
 

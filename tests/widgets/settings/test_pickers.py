@@ -144,6 +144,14 @@ def test_a_prompt_without_a_style_names_the_nearest_and_leaves_no_reading():
     assert box._chips.value == ""
 
 
+def test_an_empty_box_waits_and_complains_of_nothing():
+    """After «Make yours» an error greeted people who had done nothing yet."""
+    box = PromptBox("brick")
+    box._text.value = ""
+    assert (box.trouble, box.reading) == ("", None)
+    assert "Write what it should look like" in box._note.value
+
+
 def test_clip_takes_any_prompt():
     box = PromptBox("nonsense")
     assert "names no style" in box.trouble
@@ -213,7 +221,7 @@ def test_a_box_takes_the_picture_of_a_recipe_and_lets_it_go():
 
 def test_a_gallery_model_shows_its_size():
     picker = PartPicker("gallery:pen_holder")
-    assert "pen holder: 80.0 × 80.0 × 100.0 mm" in picker._note.value
+    assert "pen holder: 80 × 80 × 100 mm" in picker._note.value
     picker._gallery.press("wall_hook")
     assert (picker.model, picker.name) == ("gallery:wall_hook", "wall_hook")
     assert picker._unit.disabled
@@ -225,7 +233,8 @@ def test_a_file_in_its_unit(tmp_path, cube):
     assert picker.mesh.size == pytest.approx(cube.size)
     picker._unit.value = 25.4
     assert picker.scale == 25.4
-    assert "254.0 × 254.0 × 254.0 mm" in picker._note.value
+    assert picker._note.value.count("254 × 254 × 254 mm") == 1
+    assert "weld" not in picker._note.value
 
 
 def test_the_unit_of_the_file_itself_is_named_and_can_be_chosen_again(tmp_path, cube):

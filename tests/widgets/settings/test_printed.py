@@ -25,12 +25,21 @@ def test_a_preset_brings_its_figures_and_they_name_the_preset():
     assert picker.brief == "5 walls, 30 % infill"
 
 
-def test_a_print_of_ones_own_begins_with_a_usual_one():
+def test_a_print_of_ones_own_is_offered_where_it_is_one():
+    """Chosen of a preset, it did nothing: the menu went back to the preset."""
     picker = PrintedPicker()
-    picker._preset.value = OWN
-    assert (picker.infill, picker.walls) == (0.15, 3)
+    assert picker._preset.options == tuple((name, name) for name in PRESETS)
+    picker.infill = 0.2
+    assert picker._preset.options[-1] == (OWN, OWN)
     picker.infill = 1.0
-    assert picker._preset.value == "solid"
+    assert (picker._preset.value, len(picker._preset.options)) == ("solid", len(PRESETS))
+
+
+def test_a_solid_part_is_said_to_be_the_exception():
+    picker = PrintedPicker()
+    assert "Few parts are printed solid" in picker._note.value
+    picker._preset.value = "3 walls, 15 % infill"
+    assert "lighter and softer" in picker._note.value
 
 
 def test_it_takes_what_a_recipe_has():

@@ -92,40 +92,47 @@ def test_what_is_not_sure_has_a_line_around_its_mark(state):
 
 def test_the_line_stands_at_the_iteration(timeline, state):
     state.iteration = 5
-    assert timeline.iteration == timeline.slider.value == 5
-    assert timeline._curves.head == 5
+    assert timeline.iteration == timeline._curves.head == 5
 
 
-def test_the_slider_and_the_trait_move_the_state(timeline, state):
-    timeline.slider.value = 3
+def test_what_is_said_of_the_iteration_on_show_stands_under_the_chart(timeline, state):
+    state.iteration = 4
+    assert timeline._curves.story.startswith("<b>MechStyle · iteration 4</b>")
+    assert "tested after step 4: " in timeline._curves.story
+    state.iteration = 5
+    assert timeline._curves.story == "<b>MechStyle · iteration 5</b> · NOT TESTED"
+
+
+def test_the_line_and_the_trait_move_the_state(timeline, state):
+    timeline._curves.head = 3
     assert (timeline.iteration, state.iteration) == (3, 3)
     timeline.iteration = 99
     assert (timeline.iteration, state.iteration) == (12, 12)
 
 
 def test_a_run_is_followed_however_late_the_curves_are_drawn(fake):
-    """The line may move before the figure is drawn again: what the slider then cuts off is nobody's choice."""
+    """The line may move before the figure is drawn again."""
     state = StudioState(fake.run)
     timeline = Timeline(state)
     timeline._redraw._act = lambda: None
     fake.go()
     state.tell(stale=True)
     state.pump()
-    assert (state.iteration, timeline.iteration, timeline.slider.value, state.follow) == (12, 12, 12, True)
-    timeline.slider.value = 5
+    assert (state.iteration, timeline.iteration, timeline._curves.head, state.follow) == (12, 12, 12, True)
+    timeline._curves.head = 5
     assert (state.iteration, state.follow) == (5, False)
 
 
-def test_the_browser_is_told_the_end_of_the_slider_before_a_value_beyond_it(fake, monkeypatch):
-    """Told both at once, its slider may set the value first, cut it off and send it back as if the user had chosen it."""
+def test_the_browser_is_told_how_far_the_line_goes_before_it_is_there(fake, monkeypatch):
+    """Told both at once, what plays may set the value first, cut it off and send it back as if the user had chosen it."""
     state = StudioState(fake.run)
     timeline, told = Timeline(state), []
-    monkeypatch.setattr(timeline.slider, "send_state", lambda key=None: told.append(key))
+    monkeypatch.setattr(timeline._curves, "send_state", lambda key=None: told.append(key))
     fake.go()
     state.tell(stale=True)
     state.pump()
-    assert told.count("max") == told.count("value") == 1, "each in a message of its own"
-    assert told.index("max") < told.index("value")
+    assert told.count("last") == told.count("head") == 1, "each in a message of its own"
+    assert told.index("last") < told.index("head")
 
 
 def test_a_click_shows_lane_and_iteration(timeline, state):
@@ -242,8 +249,8 @@ def test_the_scripts_of_plotly_come_when_a_page_asks_and_are_no_part_of_the_stat
     assert b"Plotly" in script
 
 
-def test_the_slider_does_not_leave_a_lane_of_one_iteration(fake):
+def test_the_line_does_not_leave_a_lane_of_one_iteration(fake):
     next(fake.session()._events(lambda _fraction: None))
     timeline = Timeline(StudioState(fake.run))
-    timeline.slider.set_state({"value": 1})  # a slider needs some way to go
-    assert (timeline.slider.value, timeline.iteration) == (0, 0)
+    timeline._curves.set_state({"head": 1.0})
+    assert (timeline._curves.head, timeline.iteration) == (0, 0)

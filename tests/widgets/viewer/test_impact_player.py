@@ -49,8 +49,8 @@ def test_an_impact_shows_the_stress_of_the_moment_on_the_deformed_part(viewer, i
     viewer.player.play()
     assert viewer.layer == "moment"
     assert np.allclose(viewer.subject.layer("moment").values, impact.stress[1])
-    assert "at 500 µs, deformed × 20" in viewer._legend.value
-    assert np.allclose(viewer.subject.mesh.vertices, impact.shape(viewer._state.run.surface(12), 1, 20.0).vertices)
+    assert "at 500 µs, deformed × 50" in viewer._legend.value
+    assert np.allclose(viewer.subject.mesh.vertices, impact.shape(viewer._state.run.surface(12), 1, 50.0).vertices)
     viewer.player.exaggeration = 1.0
     assert np.allclose(viewer.subject.mesh.vertices, impact.shape(viewer._state.run.surface(12), 1, 1.0).vertices)
 

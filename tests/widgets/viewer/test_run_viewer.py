@@ -132,12 +132,12 @@ def test_the_layer_of_what_stays_bent_shows_the_part_in_that_shape(done):
 def test_its_factor_can_be_chosen_while_it_is_shown(done):
     viewer = RunViewer(StudioState(done))
     player = viewer.player
-    assert player._start.children == (player._button,)
+    assert player.factor not in viewer._under.children
     viewer.layer = "stays_bent"
-    assert player._factor in player._start.children
+    assert player.factor in viewer._under.children, "under the picture, where its scale says how it is drawn"
     player.exaggeration = 100.0
     viewer.layer = "style"
-    assert player._start.children == (player._button,)
+    assert player.factor not in viewer._under.children
     assert player.exaggeration == 20.0, "an impact bends far more"
 
 

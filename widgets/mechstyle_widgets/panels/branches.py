@@ -21,6 +21,7 @@ from mechstyle_widgets.jupyter.frame import unseen
 from mechstyle_widgets.jupyter.language import said as translated
 from mechstyle_widgets.jupyter.language import word
 from mechstyle_widgets.jupyter.looks import lean, show, unheard
+from mechstyle_widgets.settings.control import MEASURES, STRATEGIES
 from mechstyle_widgets.settings.section import WIDE, Section, Words, control, table
 from mechstyle_widgets.state.controller import Controller
 from mechstyle_widgets.state.on_show import share_kept
@@ -28,6 +29,8 @@ from mechstyle_widgets.state.outcomes import LOOKS
 from mechstyle_widgets.state.studio_state import FREE
 from mechstyle_widgets.viewer.badge import worst_vertex
 
+SPOKEN = {**STRATEGIES, **MEASURES}
+"""Values of settings that people read, by how recipes call them."""
 ALIKE = 0.9
 """Share of the other's relief from which on a part looks like it."""
 SAME = 0.02
@@ -297,4 +300,4 @@ def said(value: Any) -> str:
         return f"{value:.4g}"
     if isinstance(value, tuple):  # of regions or load cases
         return "; ".join(one.name if isinstance(one, LoadCase) else one.words for one in value) or "–"
-    return value.name if isinstance(value, Material) else str(value) or "–"
+    return value.name if isinstance(value, Material) else SPOKEN.get(str(value), str(value)) or "–"

@@ -47,17 +47,18 @@ class Result(Words):
         folded = f"<details><summary>{escape(word('More about it'))}</summary>{more}</details>"
         self.say(f"<b>{escape(head)}: {escape(said(shown.words))}</b>{figures(shown, *self._weight())}{doubt}{folded}")
 
-    def _weight(self) -> tuple[str, str]:
-        """What the part on show weighs as printed, and in a few words the plain one and its filament; "" for what encloses nothing."""
+    def _weight(self) -> tuple[str, str, str]:
+        """What the part on show weighs as printed, how that is, and in a few words the plain one and its filament; "" for a sheet."""
         run, shown = self._state.run, self._state.checkpoint
         if run is None or shown is None or (plain := run.part.surface.volume) <= 0.0:
-            return "", ""
+            return "", "", ""
         density, price = run.recipe.test.material.density * plastic_share(run.part.tets, run.recipe), self._state.price
         styled = run.part.surface.displaced(shown.displacement).volume
         digits = 0 if density * plain >= 20.0 else 1
         costs = word("{} of your currency").format(f"{1e-3 * price * density * styled:.2f}") if price else ""
         beside = word("plain {} g").format(f"{density * plain:.{digits}f}")
-        return f"{density * styled:.{digits}f} g", ", ".join(filter(None, (costs, beside)))
+        how = word("printed solid" if run.recipe.printed.solid else "printed as asked")
+        return f"{density * styled:.{digits}f} g", how, ", ".join(filter(None, (costs, beside)))
 
     def _notes(self) -> str:
         """HTML of what else is known of the finished lane on show, "" before its end; the badge says how little is left of its style."""
@@ -78,7 +79,7 @@ class Result(Words):
                 yield self._state.called(lane), said_of(verdict), kept(Run(run.store, lane, run.device), row)
 
 
-def figures(shown: OnShow, weight: str, beside: str) -> str:
+def figures(shown: OnShow, weight: str = "", how: str = "", beside: str = "") -> str:
     """HTML of three figures of what is on show, each with a few words: what stays bent, the style that is left, what it weighs."""
     row = None if shown.verdict is None else shown.verdict.deciding
     bent, about = "–", said(shown.words)
@@ -88,7 +89,7 @@ def figures(shown: OnShow, weight: str, beside: str) -> str:
     kept = ("–", word("known at the end")) if shown.kept is None else (f"{shown.kept:.0%}", "")
     named = [(bent, "stays bent" if row is None or row.stress is None else "largest stress", about), (kept[0], "style kept", kept[1])]
     if weight:
-        named.append((weight, "printed solid", beside))
+        named.append((weight, how, beside))
     cells = (
         f"<div><dt>{escape(word(name))}</dt><dd>{figure}</dd><dd><small>{escape(more)}</small></dd></div>" for figure, name, more in named
     )

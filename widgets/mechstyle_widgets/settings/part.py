@@ -14,6 +14,7 @@ from mechstyle._files import file_stem, write_whole
 from mechstyle.errors import BadInput, MechStyleError
 from mechstyle.geometry.files import FORMATS, bodies
 from mechstyle.geometry.one_body import Body
+from mechstyle.geometry.pieces import size_words
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle_widgets.jupyter.frame import unseen
 from mechstyle_widgets.jupyter.language import word
@@ -110,8 +111,8 @@ class PartPicker(Section):
     def remark(self, found: tuple[str, ...]) -> None:
         """Warn of what was found when the part was measured, under what was said when it was read."""
         assert self.mesh is not None, "there is a part to speak of"
-        x, y, z = self.mesh.extents
-        self.note("; ".join([f"{self.brief}: {x:.1f} × {y:.1f} × {z:.1f} mm", *self._notes]), found)
+        notes = self._notes or (size_words(self.mesh.vertices),)  # of a file they begin with its size
+        self.note(f"{self.brief}: {'; '.join(notes)}", found)
 
     def _say(self, notes: tuple[str, ...]) -> None:
         self._notes = notes

@@ -19,7 +19,9 @@ PRESETS: Mapping[str, Mapping[str, Any]] = {
 }
 """Prints that are one click away, in words."""
 OWN = "as below"
-"""What a print is called that is none of these."""
+"""What a print is called that is none of these; offered where it is so."""
+SOLID = "Few parts are printed solid: choose the walls and the infill of your slicer."
+LIGHTER = "Walls and infill are lighter and softer than a solid part; seams and gaps are not in it."
 
 
 class PrintedPicker(Section):
@@ -44,19 +46,19 @@ class PrintedPicker(Section):
     line_width = setting("line_width")
 
     def __init__(self) -> None:
-        """Offer the presets, and every figure below them."""
-        self._preset = control(ipywidgets.Dropdown, "print", options=[(word(name), name) for name in (*PRESETS, OWN)])
+        """Offer the presets, and every figure below those that are not solid."""
+        self._preset = control(ipywidgets.Dropdown, "print", options=[(word(name), name) for name in PRESETS])
         self._preset.observe(self._choose, "value")
         whole, length = ipywidgets.BoundedIntText, ipywidgets.BoundedFloatText
         patterns = [(word(name), name) for name in self.traits()["infill_pattern"].values]
         self._figures = lean(ipywidgets.VBox, [
             linked(self, "walls", whole, "walls"),
             linked(self, "infill", ipywidgets.FloatSlider, "infill", step=0.05, readout_format=".0%", continuous_update=False),
-            linked(self, "infill_pattern", ipywidgets.Dropdown, "pattern", options=patterns),
-            linked(self, "top", whole, "layers on top"),
-            linked(self, "bottom", whole, "layers below"),
-            linked(self, "layer_height", length, "layer [mm]", step=0.05),
-            linked(self, "line_width", length, "line [mm]", step=0.02),
+            linked(self, "infill_pattern", ipywidgets.Dropdown, "infill pattern", options=patterns),
+            linked(self, "top", whole, "top layers"),
+            linked(self, "bottom", whole, "bottom layers"),
+            linked(self, "layer_height", length, "layer height [mm]", step=0.05),
+            linked(self, "line_width", length, "line width [mm]", step=0.02),
         ])  # fmt: skip
         super().__init__([self._preset, self._figures])
         self._tell()
@@ -77,19 +79,15 @@ class PrintedPicker(Section):
     @traitlets.observe("infill", "infill_pattern", "walls", "top", "bottom", "layer_height", "line_width")
     def _tell(self, _change: object = None) -> None:
         """Bring the choice up to date; a solid part has no figures."""
+        chosen = self.chosen
         with unheard(self._preset, self._choose):
-            self._preset.value = self.chosen
-        show(self._figures, self.chosen != "solid")
-        self.note(
-            "" if self.chosen == "solid" else "Walls and infill are lighter and softer than a solid part; seams and gaps are not in it."
-        )
+            self._preset.options = [(word(name), name) for name in dict.fromkeys((*PRESETS, chosen))]
+            self._preset.value = chosen
+        show(self._figures, chosen != "solid")
+        self.note(SOLID if chosen == "solid" else LIGHTER)
 
     def _choose(self, change: dict[str, Any]) -> None:
-        """A preset brings its figures; a print of one's own begins with the last one's."""
-        preset = change["new"]
-        if preset == OWN:
-            preset = "3 walls, 15 % infill" if self.infill >= 1.0 else ""
+        """A preset brings its figures."""
         with self.hold_trait_notifications():
-            for field, value in PRESETS.get(preset, {}).items():
+            for field, value in PRESETS.get(change["new"], {}).items():
                 setattr(self, field, value)
-        self._tell()

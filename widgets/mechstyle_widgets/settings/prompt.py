@@ -245,8 +245,9 @@ class PromptBox(Section):
             self.note("" if drawn else "CLIP reads the whole prompt")
             self._chips.nearest = list(suggestions(words, FEW)) if drawn else []
         else:
-            self.complain("" if self.reading else "Write what it should look like, or choose a style.")
-            self.note("" if self.reading is None else "; ".join([f"read as {self.reading.words}", *self.reading.notes]))
+            self.complain("")  # an empty box waits; what cannot be begun without a style says so
+            ask = "Write what it should look like, or choose a style."
+            self.note(ask if self.reading is None else "; ".join([f"read as {self.reading.words}", *self.reading.notes]))
             self._chips.nearest = []
         self._chips.value = _first_style(self.reading)
 

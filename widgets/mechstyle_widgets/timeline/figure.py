@@ -95,15 +95,15 @@ def contents(
     forks = {branch.lane: (branch.forked_at, branch.parent or branch.lane) for branch in branches if branch.forked_at is not None}
     own = {name: [row for row in rows if name not in forks or row.iteration > forks[name][0]] for name, rows in histories.items()}
     others = {name: rows for name, rows in own.items() if name != lane}
-    shown = {lane: histories.get(lane, [])}
+    shown, names = {lane: histories.get(lane, [])}, called(branches)
     traces = [
-        *_lanes(own, forks),
+        *_lanes(own, forks, names),
         _lines(others, lambda row: figures(row)[0]),
         _lines(shown, lambda row: figures(row)[1]),
-        _worst(lane, shown[lane]),
+        _worst(lane, shown[lane], names),
         _planned(lane, ()),
     ]
-    layout = _layout(list(histories), called(branches), lane, theme, max((branch.iterations for branch in branches), default=1))
+    layout = _layout(list(histories), names, lane, theme, max((branch.iterations for branch in branches), default=1))
     notes = []
     for row in reversed(shown[lane]):
         if row.verdict is not None and (decides := row.verdict.deciding) is not None:
@@ -146,7 +146,7 @@ def _planned(lane: str, places: Sequence[int]) -> dict[str, Any]:
     return {"x": list(places), "y": [lane] * len(places), "name": word("planned"), "marker": marker, **hover}
 
 
-def _lanes(own: Mapping[str, Rows], forks: Mapping[str, tuple[int, str]]) -> list[dict[str, Any]]:
+def _lanes(own: Mapping[str, Rows], forks: Mapping[str, tuple[int, str]], names: Mapping[str, str]) -> list[dict[str, Any]]:
     """The lines of the lanes from where they fork, their iterations, and their simulations by outcome."""
     flat = [(name, row) for name, rows in own.items() for row in rows]
     lines: list[tuple[float | None, str]] = []
@@ -154,20 +154,20 @@ def _lanes(own: Mapping[str, Rows], forks: Mapping[str, tuple[int, str]]) -> lis
         start = [forks[name], (forks[name][0], name)] if name in forks else []
         gap = (None, name)  # with its name: plotly tells the kind of an axis anew from the first values it meets, and none are no names
         lines += [*start, *((row.iteration, name) for row in (*rows[:1], *rows[-1:])), gap]
-    traces = [{"x": [x for x, _ in lines], "y": [y for _, y in lines]}, {**_marks(flat), "marker": {"size": 16, "opacity": 0.0}}]
+    traces = [{"x": [x for x, _ in lines], "y": [y for _, y in lines]}, {**_marks(flat, names), "marker": {"size": 16, "opacity": 0.0}}]
     for outcome, look in LOOKS.items():
         of_this = [(name, row) for name, row in flat if row.outcome == outcome]
         marker = {"symbol": look.symbol, "color": look.line, "size": 9, "line": _around(of_this)}
-        traces.append({**_marks(of_this), "name": word(outcome), "marker": marker})
+        traces.append({**_marks(of_this, names), "name": word(outcome), "marker": marker})
     return traces
 
 
-def _marks(flat: Sequence[tuple[str, Row]]) -> dict[str, Any]:
+def _marks(flat: Sequence[tuple[str, Row]], names: Mapping[str, str]) -> dict[str, Any]:
     return {
         "x": [row.iteration for _, row in flat],
         "y": [name for name, _ in flat],
         "customdata": [[name] for name, _ in flat],
-        "hovertext": [story(name, row) for name, row in flat],
+        "hovertext": [story(names.get(name, name), row) for name, row in flat],
         "hoverinfo": "none",  # the page says it under the chart, which stays in sight
     }
 
@@ -183,12 +183,12 @@ def _lines(lanes: Mapping[str, Rows], value: Any) -> dict[str, Any]:
     return {"x": x, "y": y}
 
 
-def _worst(lane: str, rows: Rows) -> dict[str, Any]:
+def _worst(lane: str, rows: Rows, names: Mapping[str, str]) -> dict[str, Any]:
     """What the test that decides found, a mark for each simulation."""
     marks = [(lane, row) for row in rows if figures(row)[0] is not None]
     looks = [LOOKS[row.outcome] for _, row in marks]
     shape = {"symbol": [look.symbol for look in looks], "color": [look.line for look in looks], "size": 8}
-    return {**_marks(marks), "y": [figures(row)[0] for _, row in marks], "marker": {**shape, "line": _around(marks)}}
+    return {**_marks(marks, names), "y": [figures(row)[0] for _, row in marks], "marker": {**shape, "line": _around(marks)}}
 
 
 def _around(marks: Sequence[tuple[str, Row]]) -> dict[str, Any]:

@@ -23,13 +23,18 @@ from mechstyle_widgets.timeline.figure import TEMPLATES
 class Curves(PageWidget):
     """A figure that is drawn by plotly in the page from traces and layout, as its scripts read them.
 
-    `head` is where the first shape of the layout, an upright line, stands.
+    Attributes:
+        head: Where the first shape of the layout, an upright line, stands; mouse and keys move it, to whole numbers.
+        last: The furthest to which they do.
+        story: HTML of what is said under the figure while the mouse points at none of its marks.
     """
 
     _esm = static("timeline", "curves.js")
     data: Any = traitlets.List().tag(sync=True)
     frame = traitlets.Dict().tag(sync=True)
     head = traitlets.Float(0.0).tag(sync=True)
+    last = traitlets.Int(0).tag(sync=True)
+    story = traitlets.Unicode("").tag(sync=True)
 
     def __init__(self, clicked: Callable[[int, int], None]) -> None:
         """Draw nothing yet; `clicked` is called with the numbers of the trace and of the point in it."""
@@ -53,12 +58,11 @@ class Curves(PageWidget):
 class Timeline(Linked, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
     """Iterations from left to right: lanes with their simulations, and what stayed bent beside what may.
 
-    A click, or the arrow keys on the slider, shows another iteration; a click on another lane shows that lane. Before there is
+    The mouse drags the line, and the arrow keys move it, to another iteration; a click on another lane shows that lane. Before there is
     an iteration, it shows where the schedule that is asked for will simulate.
     `iteration` and `lane` are those of the state, both ways.
 
     Attributes:
-        slider: The slider over iterations.
         theme: `light` or `dark`.
     """
 
@@ -71,14 +75,14 @@ class Timeline(Linked, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[mi
         self._width = width
         self._curves = Curves(self._clicked)
         self._draw_curves()
-        what = {"description": "iteration", "max": 1}
-        self.slider = lean(ipywidgets.IntSlider, tooltip="Arrow keys step", layout={"flex": "1 1 200px", "width": "auto"}, **what)
-        play = unseen(lean(ipywidgets.Play, show_repeat=False, tooltip="Play, and stop", layout={"width": "auto"}, **what))
-        self._links_in_page = [ipywidgets.jsdlink((self.slider, "max"), (play, "max"))]
-        self._links_in_page.append(ipywidgets.jslink((play, "value"), (self.slider, "value")))
-        look = {"justify_content": "space-between", "flex_flow": "row wrap"}
-        self._bar = lean(ipywidgets.HBox, [play, self.slider], layout=look)
-        super().__init__([self._bar, self._curves])
+        look = {"show_repeat": False, "layout": {"width": "auto"}}
+        self._play = unseen(lean(ipywidgets.Play, description="iteration", tooltip="Play, and stop", max=1, **look))
+        self._links_in_page = [
+            ipywidgets.jsdlink((self._curves, "last"), (self._play, "max")),
+            ipywidgets.jslink((self._play, "value"), (self._curves, "head")),
+        ]  # fmt: skip
+        self._curves.observe(self._slid, "head")
+        super().__init__([self._curves, self._play])
         self.add_class("mechstyle-timeline")
         self._redraw, self._point = Paced(self._draw, state.alert), Paced(self._move_line, state.alert)
         self.link(state)
@@ -131,18 +135,19 @@ class Timeline(Linked, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[mi
         self._curves.show(*timeline_figure.filled(traces, {**layout, "width": self._width}))
 
     def _move_line(self) -> None:
-        """Show the iteration; the end of the slider goes first, in a message of its own: browsers send a value beyond it back cut off."""
-        with unheard(self.slider, self._slid):  # a shorter lane cuts the value off as well
-            self.slider.max = max(self._state.iterations_done, self.iteration, 1)
-            self.slider.value = self.iteration
-        show(self._bar, self._begun)  # there is nowhere to go yet
-        self._curves.head = self.iteration
+        """Show the iteration, and what is said of it; the end goes first, in a message of its own."""
+        row, lane = self._state.row(self.iteration), self._state.lane
+        self._curves.last = self._state.iterations_done
+        with unheard(self._curves, self._slid, "head"):
+            self._curves.head = self.iteration
+        self._curves.story = "" if row is None else timeline_figure.story(self._state.called(lane), row)
+        show(self._play, self._begun)  # there is nowhere to go yet
 
     # what the user does
 
     def _slid(self, change: dict[str, Any]) -> None:
-        self.iteration = change["new"]
-        if self.iteration != change["new"]:  # a lane of one iteration leaves the slider room that the lane has not
+        self.iteration = round(change["new"])
+        if self.iteration != change["new"]:  # it is not there
             self._point()
 
     def _clicked(self, trace: int, point: int) -> None:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from mechstyle.fea.orientations import FLAT
 from mechstyle.pictures.fields import moment
-from mechstyle.pictures.panels import FACTORS
+from mechstyle.pictures.panels import FACTORS, exaggeration
 from mechstyle.records import Landing
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.records.recipe import DEFAULTS
@@ -49,6 +49,7 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
         beside: Lane and iteration of each pane beside the part.
         landing: Name of the landing, one of those of the last simulation; flat at first.
         impact: The impact on show, None while there is none.
+        factor: The menu of exaggerations, which is also of use without an impact.
         frame: Which of its moments, counted from first touch; below 0 it falls.
         exaggeration: Factor on the deformation; the motion of the part as a whole is shown as it is.
     """
@@ -89,11 +90,12 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
         self._peak = lean(ipywidgets.Button, description="peak", tooltip="To the moment of the largest stress", layout={"width": "auto"})
         self._slider = lean(ipywidgets.IntSlider, min=-FALLING, readout=False, tooltip="Arrow keys step", layout={"width": "220px"})
         self._time = lean(ipywidgets.HTML, layout={"width": "140px"})
-        factors = [(f"× {factor}", float(factor)) for factor in FACTORS]
-        wide = {"width": "230px"}
-        factor = lean(ipywidgets.SelectionSlider, options=factors, value=self.exaggeration, description="deformed", layout=wide)
-        moments = [self._play, self._slider, self._time, self._peak, factor, self._which, self._away]
-        self._factor = factor
+        factors, narrow = [(f"× {factor}", float(factor)) for factor in FACTORS], {"width": "84px"}
+        what = "How many times larger the deformation is drawn"
+        self.factor = unseen(lean(
+            ipywidgets.Dropdown, options=factors, value=self.exaggeration, description="deformed", tooltip=what, layout=narrow,
+        ))  # fmt: skip
+        moments = [self._play, self._slider, self._time, self._peak, self.factor, self._which, self._away]
         self._moments = lean(ipywidgets.HBox, moments, layout={"flex_flow": "row wrap", "align_items": "center"})
         self._moments.add_class("mechstyle-moments")
         self._start = lean(ipywidgets.HBox, [self._button])
@@ -103,7 +105,7 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
         traitlets.link((self._slider, "value"), (self, "frame"))
         traitlets.link((self, "landing"), (self._which, "value"))
         self._offer()
-        traitlets.link((factor, "value"), (self, "exaggeration"))
+        traitlets.link((self.factor, "value"), (self, "exaggeration"))
         self._button.on_click(lambda _: self.play())
         self._peak.on_click(self._go_to_the_peak)
         self._away.on_click(lambda _: self.put_away())
@@ -170,10 +172,6 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
         self._others, self.impact = (), None
         self._say(self._start)
 
-    def offer_bend(self, *, there: bool) -> None:
-        """Offer to exaggerate what stays bent, while that is shown instead of an impact."""
-        self._start.children = (self._button, self._factor) if there else (self._button,)
-
     def at_the_moment(self, subject: Subject, pane: int = 0) -> Subject:
         """A subject at rest as the impact has it now, the stress of the moment against the yield strength; as it is without one.
 
@@ -234,10 +232,19 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
         first = -FALLING if self._once and not self._state.calm else impact.peak
         self._slider.value = self._play.value = first
         self._others, self.impact = tuple(others), impact
+        self._magnify()
         self._say(self._moments)
         self._tell_time()
         if self._once and not self._state.calm:
             self._fall(-FALLING)
+
+    def _magnify(self) -> None:
+        """Exaggerate the deformation at the peak so that it is seen, and nothing of any part leaves the picture."""
+        run = self._state.run
+        assert run is not None, "it is what falls"
+        surface = run.part.surface
+        motions = (one.motion(surface.vertices, one.peak) for one in (self.impact, *self._others) if one is not None)
+        self.exaggeration = float(exaggeration(max(float(np.abs(one.deformation).max()) for one in motions), surface.size))
 
     def _fall(self, reached: int) -> None:
         """Go on to the end, a moment at a time, unless somebody has gone elsewhere meanwhile."""

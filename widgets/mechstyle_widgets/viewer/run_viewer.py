@@ -243,7 +243,7 @@ class RunViewer(Linked, Viewer):
 
     def _magnify(self) -> None:
         """Offer to exaggerate the shape that stays, at first so that its bend can be seen."""
-        self.player.offer_bend(there=self.layer == STAYS_BENT)
+        self._under.children = (self._legend, self._said, *([self.player.factor] if self.layer == STAYS_BENT else []), self._scale)
         if self.layer == STAYS_BENT:
             most = max(one.most_bent for one in (self._still, *self._rests))
             self.player.exaggeration = float(exaggeration(most, self._still.mesh.size))

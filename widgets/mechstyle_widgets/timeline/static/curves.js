@@ -30,11 +30,12 @@ function initialize({ model }) {
 
 function render({ model, el }) {
   const plotly = library();
-  let Plotly = null, gone = false;
+  let Plotly = null, gone = false, pointed = "", from = 0, dragged = false;
   const plot = document.createElement("div"), hint = document.createElement("div");
   hint.className = "mechstyle-hint";
   el.classList.add("mechstyle-curves");
   el.replaceChildren(plot, hint);
+  for (const [name, value] of [["role", "slider"], ["tabindex", 0], ["aria-label", speaking(model)("iteration")], ["aria-valuemin", 0]]) plot.setAttribute(name, value);
   plot.style.minHeight = `${model.get("frame").height ?? 0}px`; // nothing moves when it comes
   plot.textContent = plotly.there ? "" : speaking(model)("The curves are drawn as soon as the kernel answers.");
 
@@ -50,6 +51,36 @@ function render({ model, el }) {
     const at = model.get("head");
     return Plotly.relayout(plot, { "shapes[0].x0": at, "shapes[0].x1": at });
   };
+  const tell = () => {
+    hint.innerHTML = model.get("story");
+    const value = { "aria-valuemax": model.get("last"), "aria-valuenow": model.get("head"), "aria-valuetext": hint.textContent };
+    for (const name in value) plot.setAttribute(name, value[name]);
+    if (pointed) hint.innerHTML = pointed;
+  };
+  // The line is where the mouse holds it, or a key puts it, at once: the kernel hears of it.
+  const go = (at) => {
+    model.set("head", Math.min(Math.max(Math.round(at), 0), model.get("last")));
+    model.save_changes();
+  };
+  const held = ({ clientX, buttons }) => {
+    const axis = plot._fullLayout?.xaxis;
+    dragged ||= Math.abs(clientX - from) > 3;
+    if (axis && buttons & 1) go(axis.p2d(clientX - plot.getBoundingClientRect().left - axis._offset));
+    else removeEventListener("pointermove", held);
+  };
+  plot.addEventListener("pointerdown", (event) => {
+    plot.focus({ preventScroll: true });
+    [from, dragged] = [event.clientX, false];
+    held(event);
+    addEventListener("pointermove", held);
+  });
+  plot.addEventListener("keydown", (event) => {
+    const far = { ArrowLeft: -1, ArrowDown: -1, ArrowRight: 1, ArrowUp: 1, PageDown: -10, PageUp: 10, Home: -Infinity, End: Infinity }[event.key];
+    if (far === undefined || event.ctrlKey || event.altKey || event.metaKey) return;
+    event.preventDefault();
+    event.stopPropagation();
+    go(model.get("head") + far);
+  });
   // What comes in one message, or faster than the page draws, is drawn once; a page that nobody sees draws nothing until somebody does.
   let act = null;
   const soon = (wanted) => () => {
@@ -65,14 +96,19 @@ function render({ model, el }) {
   model.on("change:data", redraw);
   model.on("change:frame", redraw);
   model.on("change:head", point);
+  model.on("change:head change:story change:last", tell);
+  tell();
   plotly.ready.then(async (loaded) => {
     if (gone) return;
     Plotly = loaded;
     plot.textContent = "";
     await draw();
-    plot.on("plotly_hover", ({ points: [first] }) => (hint.innerHTML = first.data.hovertext?.[first.pointNumber] ?? ""));
-    plot.on("plotly_unhover", () => (hint.textContent = ""));
-    plot.on("plotly_click", ({ points: [first] }) => model.send({ kind: "click", trace: first.curveNumber, point: first.pointNumber }));
+    const over = ({ points: [first] }) => (pointed = first.data.hovertext?.[first.pointNumber] ?? "", tell());
+    plot.on("plotly_hover", over);
+    plot.on("plotly_unhover", () => (pointed = "", tell()));
+    plot.on("plotly_click", ({ points: [first] }) => {
+      if (!dragged) model.send({ kind: "click", trace: first.curveNumber, point: first.pointNumber }); // else it is where the line was let go
+    });
   });
   if (!plotly.there) model.send({ kind: "plotly" });
   return () => {
@@ -80,6 +116,8 @@ function render({ model, el }) {
     model.off("change:data", redraw);
     model.off("change:frame", redraw);
     model.off("change:head", point);
+    model.off("change:head change:story change:last", tell);
+    removeEventListener("pointermove", held);
     if (Plotly) Plotly.purge(plot);
   };
 }
