@@ -18,7 +18,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK = 1
 help: ## list these targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-13s %s\n", $$1, $$2}' $(firstword $(MAKEFILE_LIST))
 
-demo: .venv/core.stamp ## stylize a chess pawn as brick, drop it, write demo-out/
+demo: .venv/core.stamp ## style a trophy freely and with feedback, drop both, write demo-out/
 	$(BIN)/mechstyle demo --out demo-out
 
 quick: .venv/dev.stamp ## tests without browser, notebooks, command line and what is slow: while you work
