@@ -28,11 +28,11 @@ DOCS = Path(__file__).parent.parent / "docs"
 HEAD = """\
 # The gallery
 
-![thirty models](gallery.png)
+![Thirty models, each in a style that suits it](gallery.png)
 
 Thirty things people print, each with measures to change (`gallery.make("wall_hook", reach=60)`, see the function of its name), in mm,
-standing as printed. `mechstyle gallery` lists them with what one learns from each; `--load gallery:NAME` puts the load of its use on a part
-besides the fall, and the regions are suggestions for `--protect`.
+standing as printed. The picture shows them styled, the table plain. `mechstyle gallery` lists them with what one learns from each;
+`--load gallery:NAME` puts the load of its use on a part besides the fall, and the regions are suggestions for `--protect`.
 
 {about} [How MechStyle judges](how-mechstyle-judges.md).
 

@@ -19,7 +19,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from PIL import Image
 
-from mechstyle.gallery import make
+from mechstyle.gallery import entry, make
 from mechstyle.gallery import names as models
 from mechstyle.geometry.thickness import local_thickness
 from mechstyle.pictures.colormap import PLAIN
@@ -27,7 +27,9 @@ from mechstyle.pictures.figure import DPI, FAINT, INK
 from mechstyle.pictures.panels import Picture
 from mechstyle.pictures.scene import BACKGROUND, Camera, render
 from mechstyle.records.mesh import STANDARD_VERTICES, SurfaceMesh
-from mechstyle.simulation.part import INWARD_SHARE, standardised
+from mechstyle.runs.recipes import draft
+from mechstyle.runs.stylizers import finished_style
+from mechstyle.simulation.part import INWARD_SHARE, Shape, standardised
 from mechstyle.styling.dimensions import Dimensions, outwards
 from mechstyle.styling.drawing.canvas import Canvas
 from mechstyle.styling.drawn import target
@@ -104,17 +106,15 @@ def _page(rows: Sequence[Pixels], labels: Sequence[tuple[str, str]], columns: in
     wide, deep = rows[0].shape[1], -(-len(rows) // columns)
     size = (deep * (CELL + LINE) + 2 * MARGIN, min(columns, len(rows)) * (wide + GAP) - GAP + 2 * MARGIN)
     places = [(MARGIN + index // deep * (wide + GAP), MARGIN + index % deep * (CELL + LINE)) for index in range(len(rows))]
-    return _laid_out(size, rows, places, labels, SHADES)
+    return png(lettered(_placed(size, rows, places), places, labels))
 
 
-def _laid_out(
-    size: tuple[int, int], pictures: Sequence[Pixels], places: Sequence[tuple[int, int]], labels: Sequence[tuple[str, str]], shades: int
-) -> bytes:
-    """Pictures on a page of a height and width, each below its label at a place (left, top), as PNG."""
+def _placed(size: tuple[int, int], pictures: Sequence[Pixels], places: Sequence[tuple[int, int]], line: int = LINE) -> Pixels:
+    """Pictures on a page of a height and width, each below a line [pixels] at its place (left, top)."""
     page: Pixels = np.broadcast_to(np.rint(255.0 * np.array(BACKGROUND)).astype(np.uint8), (*size, 3)).copy()
     for picture, (left, top) in zip(pictures, places, strict=True):
-        page[top + LINE : top + LINE + picture.shape[0], left : left + picture.shape[1]] = picture
-    return png(lettered(page, places, labels), shades)
+        page[top + line : top + line + picture.shape[0], left : left + picture.shape[1]] = picture
+    return page
 
 
 def lettered(page: Pixels, places: Sequence[tuple[int, int]], labels: Sequence[tuple[str, str]]) -> Figure:
@@ -131,11 +131,11 @@ def lettered(page: Pixels, places: Sequence[tuple[int, int]], labels: Sequence[t
     return sheet
 
 
-def png(sheet: Figure, shades: int = SHADES) -> bytes:
+def png(sheet: Figure) -> bytes:
     """A figure as a PNG of few shades, which packs well."""
     canvas: Any = FigureCanvasAgg(sheet)
     canvas.draw()
-    step = 256 // shades
+    step = 256 // SHADES
     pixels = np.minimum(np.asarray(canvas.buffer_rgba())[..., :3].astype(np.int16) + step // 2, 255) // step * step
     buffer = io.BytesIO()
     few = Image.fromarray(pixels.astype(np.uint8)).quantize(COLOURS, Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
@@ -143,23 +143,41 @@ def png(sheet: Figure, shades: int = SHADES) -> bytes:
     return buffer.getvalue()
 
 
-SIDE, COLUMNS = 230, 6
-"""Side of a picture [pixels], pictures beside each other."""
-GREYS = 128
-"""Levels of a channel: plain grey shows bands with fewer."""
+SUITS: Mapping[str, str] = MappingProxyType({
+    "pen_holder": "brick", "phone_stand": "carbon fibre", "tablet_stand": "herringbone", "spectacle_frame": "leopard",
+    "pill_box": "honeycomb", "utensil_grip": "cork", "key_turner": "knurling", "bottle_opener": "hammered", "lampshade": "pleats",
+    "vase": "fish scales", "planter": "cactus", "wall_hook": "dragon scales", "s_hook": "bark", "coat_hook": "wood",
+    "shelf_bracket": "isogrid", "corner_bracket": "diamond plate", "cable_clip": "studs", "cable_winder": "circuit",
+    "key_tag": "celtic knot", "soap_dish": "bubbles", "toothbrush_holder": "tiles", "bag_clip": "zebra", "bag_carrier": "leather",
+    "drawer_knob": "crystal", "drawer_organiser": "basket weave", "napkin_ring": "knit", "coaster": "mandala",
+    "book_end": "half-timbered", "door_stop": "stone", "tealight_holder": "lava",
+})  # fmt: skip
+"""A prompt for each model of the gallery, no two alike."""
+SIDE, COLUMNS, NAMES = 206, 5, 46
+"""Side of a picture, pictures in a row, and height of the two lines above each [pixels]: legible where a page shows them smaller."""
 
 
 def model_sheet() -> Picture:
-    """A contact sheet of the models with their default measures."""
-    size = (-(-len(models()) // COLUMNS) * (SIDE + LINE) + 2 * MARGIN, COLUMNS * SIDE + 2 * MARGIN)
-    pictures, places, labels = [], [], []
-    for number, name in enumerate(models()):
-        row, column = divmod(number, COLUMNS)
-        places.append((MARGIN + column * SIDE, MARGIN + row * (SIDE + LINE)))
-        mesh = make(name)
-        pictures.append(render(mesh, camera=Camera.named("three_quarter", mesh.vertices), width=SIDE, height=SIDE))
-        labels.append((name.replace("_", " "), f"{mesh.extents.max():.0f} mm"))
-    return Picture(_laid_out(size, pictures, places, labels, GREYS))
+    """A contact sheet of the models with their own measures, each in a style that suits it, its suggested regions spared."""
+    shown = [_suited(name) for name in models()]
+    places = [(MARGIN + index % COLUMNS * SIDE, MARGIN + index // COLUMNS * (SIDE + NAMES)) for index in range(len(shown))]
+    size = (-(-len(shown) // COLUMNS) * (SIDE + NAMES) + 2 * MARGIN, COLUMNS * SIDE + 2 * MARGIN)
+    sheet = lettered(_placed(size, shown, places, NAMES), (), ())
+    for (left, top), name in zip(places, models(), strict=True):
+        sheet.axes[0].text(left, top + 16, name.replace("_", " "), size=13, weight="bold", color=INK)
+        sheet.axes[0].text(left, top + 36, SUITS[name], size=12, color=FAINT)
+    return Picture(png(sheet))
+
+
+def _suited(name: str) -> Pixels:
+    """A model of the gallery in its style, as a run aims at it, shape [SIDE, SIDE, 3]."""
+    surface = standardised(make(name), PICTURED)
+    shape = Shape(surface, local_thickness(surface).astype(np.float32))
+    spared = [region for region in entry(name).protect if not region.startswith("inside")]  # which stays plain by itself, colour and all
+    style = finished_style(shape, draft(SUITS[name], protect=spared))
+    assert style is not None, "a style that is drawn is known before it is run"
+    styled = surface.displaced(style.relief).coloured(style.colour)
+    return render(styled, camera=Camera.named("three_quarter", styled.vertices), width=SIDE, height=SIDE)
 
 
 if __name__ == "__main__":
