@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -37,6 +38,8 @@ LIFT, ALL_IN_HOLE = 0.02, 0.98
 """How far off the surface a hole is measured, over its width, and the share of the directions in a plane in which it is narrow."""
 CONVEXITY = 8.0
 """How much more loosely two vertices hang together for each radian by which the surface bends away between them."""
+HALF = 0.5
+"""Probability that a walk ends inside, from which on a place is inside."""
 LEAST_SHARE = 0.005
 """Smaller pieces, of the area, belong to what surrounds them."""
 
@@ -45,11 +48,16 @@ SKIN = 1e-4
 """How far off the surface rays begin, over its size."""
 KEPT = 4
 """Surfaces whose answer is kept: a run asks for each picture, and first while it prepares the part, which it then reads from disk."""
-_known: dict[str, NDArray[np.bool_]] = {}
+_known: dict[str, NDArray[np.float64]] = {}
 
 
 def is_inside(mesh: SurfaceMesh) -> NDArray[np.bool_]:
-    """Whether each vertex of a closed surface lies in a hollow that opens to the outside, shape [vertex_count].
+    """Whether each vertex of a closed surface lies in a hollow that opens to the outside, shape [vertex_count]."""
+    return np.asarray(insideness(mesh) > HALF)
+
+
+def insideness(mesh: SurfaceMesh) -> NDArray[np.float64]:
+    """How surely each vertex of a closed surface is inside, in [0, 1], shape [vertex_count]: the border is where it is HALF.
 
     Inside is where a ball of a twelfth of the part's size is shut in: along none of the ways in a plane along two axes it rolls straight
     out; and what it does not reach from outside and sees less than half of the sky. So a hull is inside and the house that stands out of
@@ -63,19 +71,21 @@ def is_inside(mesh: SurfaceMesh) -> NDArray[np.bool_]:
     reached, shut, free = _by_ball(mesh)
     inside = (shut & (sky <= OPEN)) | (~reached & (sky < HIDDEN))
     outside = free | (sky > OPEN)
+    share = inside.astype(np.float64)
     if inside.any() and outside.any():
-        inside = _walked(mesh, inside, outside) > 0.5
+        share = _walked(mesh, inside, outside)
         # Pieces of less than LEAST_SHARE of the area go to the other side.
-        count, same = len(mesh.vertices), inside[mesh.edges[:, 0]] == inside[mesh.edges[:, 1]]
+        count, same = len(mesh.vertices), np.equal(*(share[mesh.edges.T] > HALF))
         graph = sp.coo_array((np.ones(int(same.sum())), mesh.edges[same].T), shape=(count, count))
         piece = connected_components(graph, directed=False)[1]
         areas = np.bincount(piece, mesh.vertex_areas)
-        inside = np.asarray(inside ^ (areas < LEAST_SHARE * areas.sum())[piece])
-    inside.setflags(write=False)
+        small = (areas < LEAST_SHARE * areas.sum())[piece]
+        share[small] = 1.0 - share[small]
+    share.setflags(write=False)
     while len(_known) >= KEPT:
         _known.pop(next(iter(_known)), None)
-    _known[mesh.digest] = inside
-    return inside
+    _known[mesh.digest] = share
+    return share
 
 
 def openness(mesh: SurfaceMesh) -> Floats:
@@ -84,22 +94,25 @@ def openness(mesh: SurfaceMesh) -> Floats:
     return escaping(tree, mesh.vertices, mesh.vertex_normals, SKIN * mesh.size, 2.0 * mesh.size)
 
 
-def in_hole(mesh: SurfaceMesh, widest: float) -> NDArray[np.bool_]:
-    """Whether each vertex of a closed surface lies in a bore or slot nowhere wider than asked [mm], shape [vertex_count].
+def in_hole(mesh: SurfaceMesh, widest: float) -> Callable[[Floats, Floats], Bools]:
+    """Tells of points on a closed surface with their normals, shape [n, 3], whether they lie in a bore or slot nowhere wider than asked.
 
-    In a plane along two axes it is surrounded there, and what surrounds it is that near.
+    In a plane along two axes a point is surrounded there, and what surrounds it is that near [mm].
     """
     tree = TriangleTree(mesh.vertices, mesh.faces)
     angle = np.pi * (np.arange(RAYS // 2) + 0.5) / (RAYS // 2)
     half = np.column_stack([np.cos(angle), np.sin(angle), np.zeros(RAYS // 2)])
-    points = tree.points(mesh.vertices + LIFT * widest * mesh.vertex_normals)
-    shares = []
-    for turn in range(3):
-        ways: Any = wp.array(np.roll(half, turn, axis=1).astype(np.float32), dtype=wp.vec3, device=tree.device)
-        narrow: Any = wp.empty(len(mesh.vertices), dtype=wp.int32, device=tree.device)
-        wp.launch(count_narrow, dim=len(mesh.vertices), inputs=[tree.id, points, ways, widest, narrow], device=tree.device)
-        shares.append(narrow.numpy() / len(half))
-    return np.asarray(np.max(shares, axis=0) >= ALL_IN_HOLE)
+
+    def tells(points: Floats, normals: Floats) -> Bools:
+        lifted, shares = tree.points(points + LIFT * widest * normals), []
+        for turn in range(3):
+            ways: Any = wp.array(np.roll(half, turn, axis=1).astype(np.float32), dtype=wp.vec3, device=tree.device)
+            narrow: Any = wp.empty(len(points), dtype=wp.int32, device=tree.device)
+            wp.launch(count_narrow, dim=len(points), inputs=[tree.id, lifted, ways, widest, narrow], device=tree.device)
+            shares.append(narrow.numpy() / len(half))
+        return np.asarray(np.max(shares, axis=0) >= ALL_IN_HOLE)
+
+    return tells
 
 
 def _by_ball(mesh: SurfaceMesh) -> tuple[Bools, Bools, Bools]:

@@ -7,6 +7,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import ConvexHull, QhullError
 
+from mechstyle.geometry.borders import Extent
 from mechstyle.records.mesh import Bools, Indices, SurfaceMesh
 
 WAYS = ((1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1))
@@ -21,20 +22,22 @@ FILLED = 0.6
 """Largest share that the ends have of what they span: a side that is filled is a wall, not feet or a rim."""
 
 
-def mating_faces(mesh: SurfaceMesh) -> Bools:
-    """Whether each face of a closed surface [mm] is a flat end that may meet something else, shape [face_count].
+def mating_ends(mesh: SurfaceMesh) -> Extent:
+    """The flat ends of a closed surface [mm] that may meet something else.
 
     A flat thing that is laid against the part along an axis touches feet in several places, and a rim or the end of a tube around a hole,
     both in a small share of what they span.
     """
-    found = np.zeros(len(mesh.faces), bool)
+    depth = np.full(len(mesh.vertices), np.inf)
     for way in WAYS:
-        height = mesh.vertices @ np.array(way, np.float64)
-        there = (height > height.max() - FLAT * mesh.size)[mesh.faces].all(axis=1) & (mesh.face_normals @ np.array(way) > ALONG)
+        below = mesh.vertices @ -np.array(way, np.float64)
+        below -= below.min() + FLAT * mesh.size
+        there = (below < 0.0)[mesh.faces].all(axis=1) & (mesh.face_normals @ np.array(way) > ALONG)
         touched, whole = float(mesh.face_areas[there].sum()), float(mesh.face_areas.sum())
-        if LEAST * whole < touched < MOST * whole and touched < FILLED * _spanned(mesh, there, int(np.abs(way).argmax())):
-            found |= there & _feet_or_ring(mesh.faces[there])
-    return found
+        small = LEAST * whole < touched < MOST * whole and touched < FILLED * _spanned(mesh, there, int(np.abs(way).argmax()))
+        if small and _feet_or_ring(mesh.faces[there]):
+            depth = np.minimum(depth, below)
+    return Extent.below(mesh, depth)
 
 
 def _feet_or_ring(faces: Indices) -> bool:

@@ -18,6 +18,9 @@ NUMBER = rb"[-+]?[\d.]+(?:[eE][-+]?\d+)?"
 VERTEX = re.compile(rb"(?m)^\s*v\s+%b\s+%b\s+%b" % (NUMBER, NUMBER, NUMBER))
 COMMA = re.compile(rb"(?m)^\s*(?:v|vertex)\s+(?:\S+\s+)*?([-+]?\d+,\d+)(?=\s)")
 """The first number of a vertex in OBJ or STL that has a comma for its point."""
+DRAWN = re.compile(rb"(?m)^\s*(?:f|fo|l|curv|curv2|surf)\s")
+"""What OBJ draws between its vertices."""
+CLOUD = "is a cloud of points without faces between them: make a surface of it first, such as with MeshLab"
 
 
 def mistaken(content: bytes, suffix: str) -> str:
@@ -74,11 +77,14 @@ KINDS: tuple[tuple[str, Callable[[bytes], bool], str | Callable[[bytes], str]], 
     ("", _starts(b"\x1f\x8b", b"Rar!", b"7z\xbc\xaf\x27\x1c"), "is a packed archive: unpack it, and take the mesh out of it"),
     ("", _starts(b"%PDF", b"\x89PNG", b"\xff\xd8\xff", b"GIF8"), "is a picture or a document: it holds no shape"),
     ("step", _starts(b"ISO-10303-21"), _rename("a STEP file", "step")),
+    ("", _starts(b"glTF\x01\0\0\0"), "is glTF 1.0, which came before the glTF of today: export it again as glTF 2.0"),
     ("glb", _starts(b"glTF"), _rename("a GLB file", "glb")),
+    ("", _says(rb"\Aply\r?\n(?:(?!element face|end_header).*\n)*end_header"), CLOUD),
     ("ply", _starts(b"ply\n", b"ply\r"), _rename("a PLY file", "ply")),
     ("stl", lambda content: stl_length(content) == len(content) > 0, _rename("an STL file", "stl")),
     ("stl", _says(rb"(?i)\A\s*solid\b[^\n]*\n\s*facet\s+normal\b"), _rename("an STL file", "stl")),
     ("obj", lambda content: len(VERTEX.findall(content[:START])) >= 3 and b"\nf " in content, _rename("an OBJ file", "obj")),
+    ("", lambda content: VERTEX.search(content[:START]) is not None and not DRAWN.search(content), CLOUD),
     (
         "",
         _says(rb'\A\s*\{[^{}]{0,400}"(?:asset|scenes?|accessors|buffers)"\s*:'),

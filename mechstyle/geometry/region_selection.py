@@ -12,7 +12,8 @@ from scipy.sparse.csgraph import connected_components, dijkstra
 from scipy.spatial import cKDTree
 
 from mechstyle.errors import BadInput
-from mechstyle.geometry.inside_outside import in_hole, is_inside
+from mechstyle.geometry.borders import Extent
+from mechstyle.geometry.inside_outside import HALF, in_hole, insideness
 from mechstyle.geometry.proximity import TriangleTree
 from mechstyle.records.mesh import Floats, Indices, SurfaceMesh
 from mechstyle.records.regions import End, Holes, Inside, Outside, Region, Rim, Segment, Shape, Sides
@@ -36,77 +37,92 @@ class Protection(NamedTuple):
     """Freedom of the style around protected regions."""
 
     freedom: NDArray[np.float32]  # factor on the relief, 0 in the regions, growing to 1 over their ramps, shape [vertex_count], float32
-    uncoloured: NDArray[np.bool_]  # whether a vertex keeps the part's own colour, shape [vertex_count]
+    uncoloured: NDArray[np.float32]  # share of the part's own colour that a vertex keeps, in [0, 1], shape [vertex_count], float32
     notes: tuple[str, ...]  # one sentence for each region: what it is and how much of the surface it holds
 
 
-def protection(regions: Sequence[Region], surface: SurfaceMesh, thickness: ArrayLike) -> Protection:
+def protection(
+    regions: Sequence[Region], surface: SurfaceMesh, thickness: ArrayLike, also: Sequence[tuple[Extent, float]] = ()
+) -> Protection:
     """Freedom left by all regions together; where several meet, the strictest counts.
 
-    The local wall thickness [mm], shape [vertex_count], sets segments apart. BadInput if a region holds nothing, or nothing is left to
-    style.
+    The local wall thickness [mm], shape [vertex_count], sets segments apart. What is protected also, each with the ramp around it [mm],
+    keeps its colour and gets no note. BadInput if a region holds nothing, or nothing is left to style.
     """
     count = len(surface.vertices)
-    freedom, uncoloured, notes = np.ones(count), np.zeros(count, bool), []
+    freedom, uncoloured, notes = np.ones(count), np.zeros(count), []
     areas = surface.vertex_areas / surface.vertex_areas.sum()
-    for region in regions:
-        chosen = selected(region, surface, thickness)
-        freedom = np.minimum(freedom, faded(surface, chosen, region.ramp))
-        uncoloured |= chosen & region.colour
-        notes.append(f"protected: {region.words}, {areas[chosen].sum():.0%} of the surface")
+    found = [(extent(region, surface, thickness), region.ramp, region.colour) for region in regions]
+    for region, (held, _, _) in zip(regions, found, strict=True):
+        notes.append(f"protected: {region.words}, {areas[held.holds].sum():.0%} of the surface")
+    for held, ramp, colour in (*found, *((held, ramp, True) for held, ramp in also)):
+        freedom = np.minimum(freedom, faded(held, ramp))
+        uncoloured = np.maximum(uncoloured, colour * (1.0 - faded(held, 0.0)))
     if not freedom.any():
         raise BadInput("the protected regions hold all of the surface, so nothing is left to style; protect less")
-    return Protection(freedom.astype(np.float32), uncoloured, tuple(notes))
+    return Protection(freedom.astype(np.float32), uncoloured.astype(np.float32), tuple(notes))
 
 
 def selected(region: Region, surface: SurfaceMesh, thickness: ArrayLike) -> NDArray[np.bool_]:
     """Whether each vertex lies in a region, shape [vertex_count]; thickness in mm, of that shape; BadInput if none does."""
-    points = surface.vertices
-    chosen: NDArray[np.bool_]
-    if isinstance(region, Shape | End):
-        chosen = region.contains(points)
-    elif isinstance(region, Inside | Outside):
-        chosen = is_inside(surface) ^ isinstance(region, Outside)
+    return extent(region, surface, thickness).holds
+
+
+def extent(region: Region, surface: SurfaceMesh, thickness: ArrayLike) -> Extent:
+    """What a region holds, and where its border crosses the edges; as `selected`."""
+    found = _extent(region, surface, thickness)
+    if not found.holds.any():
+        points = surface.vertices
+        low, high = (" ".join(f"{x:g}" for x in np.round(f(axis=0), 1)) for f in (points.min, points.max))
+        raise BadInput(f"the region {region.words!r} holds nothing of this part, which reaches from {low} to {high} mm")
+    return found
+
+
+def _extent(region: Region, surface: SurfaceMesh, thickness: ArrayLike) -> Extent:
+    found: Extent
+    if isinstance(region, Shape):
+        found = Extent.where(surface, lambda points, _: region.contains(points))
+    elif isinstance(region, End):
+        found = Extent.below(surface, region.beyond(surface.vertices))
+    elif isinstance(region, Inside):
+        found = inside(surface)
+    elif isinstance(region, Outside):
+        found = Extent.below(surface, insideness(surface) - HALF)
     elif isinstance(region, Sides):
-        chosen = np.asarray(np.abs(surface.vertex_normals[:, 2]) < UPRIGHT)
+        found = Extent.below(surface, np.abs(surface.vertex_normals[:, 2]) - np.nextafter(UPRIGHT, 0.0))
     elif isinstance(region, Holes):
-        hole = in_hole(surface, region.width or HOLE * surface.size)
-        chosen = _way(surface, np.flatnonzero(hole), AROUND * surface.size) < np.inf
+        hole = Extent.where(surface, in_hole(surface, region.width or HOLE * surface.size))
+        found = Extent.below(surface, hole.way() - AROUND * surface.size)
     elif isinstance(region, Rim):
-        border = np.diff(is_inside(surface)[surface.edges], axis=1)[:, 0]
-        chosen = _way(surface, np.unique(surface.edges[border]), region.width or RIM * surface.size) < np.inf
+        found = Extent.below(surface, inside(surface).way(to_both_sides=True) - (region.width or RIM * surface.size))
     elif isinstance(region, Segment):
         labels = segments(surface, thickness)
-        near = TriangleTree(points, surface.faces).nearest([region.point])
-        chosen = labels == labels[surface.faces[near.face[0], near.weights[0].argmax()]]
+        near = TriangleTree(surface.vertices, surface.faces).nearest([region.point])
+        found = Extent(surface, labels == labels[surface.faces[near.face[0], near.weights[0].argmax()]])
     else:
-        if max(region.indices) >= len(points):
-            last = len(points) - 1
+        last = len(surface.vertices) - 1
+        if max(region.indices) > last:
             raise BadInput(f"vertex {max(region.indices)} cannot be protected: the standardised surface has vertices 0 to {last}")
-        chosen = np.zeros(len(points), bool)
-        chosen[list(region.indices)] = True
-    if not chosen.any():
-        low, high = (" ".join(f"{x:g}" for x in np.round(f(axis=0), 1)) for f in (surface.vertices.min, surface.vertices.max))
-        raise BadInput(f"the region {region.words!r} holds nothing of this part, which reaches from {low} to {high} mm")
-    return chosen
+        found = Extent(surface, np.isin(np.arange(last + 1), region.indices))
+    return found
 
 
-def faded(surface: SurfaceMesh, chosen: NDArray[np.bool_], ramp: float) -> Floats:
-    """Factor on a relief: 0 where chosen, growing linearly to 1 over `ramp` [mm], shape [vertex_count].
+def inside(surface: SurfaceMesh) -> Extent:
+    """The surfaces of hollows that open to the outside."""
+    level = HALF - insideness(surface)
+    return Extent.below(surface, np.where(level == 0.0, np.finfo(float).tiny, level))
 
-    The way is measured along the edges of the surface, not through the air: the other side of a thin wall is far away.
+
+def faded(held: Extent, ramp: float) -> Floats:
+    """Factor on a relief: 0 in a region, growing linearly to 1 over `ramp` [mm] from its border, shape [vertex_count].
+
+    Over the length of an edge at least, where it is known how far along the edges the border lies: else it would be as ragged as they
+    are. The way is measured along the edges of the surface, not through the air: the other side of a thin wall is far away.
     """
-    if ramp == 0.0 or not chosen.any():
-        return (~chosen).astype(np.float64)
-    return np.asarray(np.minimum(_way(surface, np.flatnonzero(chosen), ramp) / ramp, 1.0))
-
-
-def _way(surface: SurfaceMesh, start: ArrayLike, limit: float) -> Floats:
-    """Way along edges from the nearest of some vertices [mm], infinite beyond a limit, shape [vertex_count]."""
-    if not len(np.atleast_1d(start)):
-        return np.full(len(surface.vertices), np.inf)
-    lengths = np.linalg.norm(np.diff(surface.vertices[surface.edges], axis=1)[:, 0], axis=1)
-    return np.asarray(dijkstra(_graph(surface, lengths), directed=False, indices=start, min_only=True, limit=limit))
+    over = ramp if held.crossings is None else max(ramp, held.surface.edge_length)
+    if over == 0.0 or not held.holds.any():
+        return (~held.holds).astype(np.float64)
+    return np.asarray(np.minimum(held.way(over) / over, 1.0))
 
 
 def segments(surface: SurfaceMesh, thickness: ArrayLike) -> Indices:

@@ -36,7 +36,7 @@ class Bounds:
         inward: Largest displacement into the material [mm], shape [vertex_count].
         outward: Largest displacement out of it [mm], shape [vertex_count].
         freedom: Factor on the relief, 0 on the resting face and in protected regions, 1 away from them, shape [vertex_count].
-        uncoloured: Whether a vertex keeps its colour, shape [vertex_count, 1]; False for none.
+        uncoloured: Share of its own colour that a vertex keeps, in [0, 1], shape [vertex_count, 1]; 0 for none, 1 whatever is proposed.
         base: What levels the relief under the part, None for nothing.
         plain: Whether a vertex is no part of the style, shape [vertex_count]; False for none. Its freedom is 0, too.
         seen: Share of the sky that a vertex sees, shape [vertex_count]: how much its relief counts; None where all counts alike.
@@ -46,7 +46,7 @@ class Bounds:
     inward: Field
     outward: Field
     freedom: Field
-    uncoloured: NDArray[np.bool_] | bool = False
+    uncoloured: Field | float = 0.0
     base: Base | None = None
     plain: NDArray[np.bool_] | bool = False
     seen: Field | None = None

@@ -226,7 +226,7 @@ class Engine:
         """D += mask · share · clip(increment), within the bounds; colours are never masked, only kept where the user wants it."""
         limit = np.float32(STEP_LIMIT * self.surface.size)
         displacement = advanced(state.displacement, state.mask * state.share, np.clip(increment, -limit, limit), self.bounds, self.recipe)
-        colour = np.where(self.bounds.uncoloured, state.colour, proposal.colour).astype(np.float32)
+        colour = np.where(np.asarray(self.bounds.uncoloured) == 1.0, state.colour, proposal.colour).astype(np.float32)
         iteration = state.iteration + 1
         return replace(
             state, iteration=iteration, parent=parent, recipe=self.recipe.digest, displacement=displacement,

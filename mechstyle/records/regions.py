@@ -210,12 +210,16 @@ class End(ProtectedRegion, frozen=True, tag="end"):
             raise unknown("end of a part", self.end, ENDS)
         _check_length(f"depth of the {self.end}", self.depth)
 
-    def contains(self, points: Floats) -> Bools:
-        """Whether points [mm], shape [n, 3], lie at that end of what they all span."""
+    def beyond(self, points: Floats) -> Floats:
+        """How far points [mm], shape [n, 3], lie beyond that end of what they all span [mm], shape [n]; in it zero or less."""
         axis, sign = ENDS[self.end]
         along = sign * points[:, axis]
         depth = self.depth or 0.5 * float(np.ptp(along))
-        return np.asarray(along >= along.max() - depth)
+        return np.asarray(along.max() - depth - along)
+
+    def contains(self, points: Floats) -> Bools:
+        """Whether points [mm], shape [n, 3], lie at that end of what they all span."""
+        return np.asarray(self.beyond(points) <= 0.0)
 
     def _notation(self) -> tuple[str, list[float]]:
         return self.end, super()._notation()[1]

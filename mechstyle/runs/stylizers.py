@@ -190,7 +190,7 @@ def finished_style(part: Workpiece | Shape, recipe: Recipe, go_on: CancelCheck =
     aim = drawing_of(part, bounds, recipe, reading_of(recipe), go_on=go_on).target
     wanted = bounds.freedom * bounds.levelled(aim.displacement)
     relief = advanced(np.zeros_like(wanted), np.ones_like(wanted), wanted, bounds, recipe)
-    return FinishedStyle(relief, np.where(bounds.uncoloured, NEUTRAL, aim.colour), bounds.freedom == 0.0, aim.notes)
+    return FinishedStyle(relief, np.where(np.asarray(bounds.uncoloured) == 1.0, NEUTRAL, aim.colour), bounds.freedom == 0.0, aim.notes)
 
 
 class Drawing(NamedTuple):
@@ -246,4 +246,4 @@ def drawn(
             targets.append(target(mesh, wish, Dimensions.of(recipe, wish), seed=recipe.style.seed, canvas=canvas, **limits))
         finally:
             canvas.go_on = never_cancel  # it is drawn on again, when whoever asked may have stopped
-    return combined(mesh, targets, shares).without(bounds.plain)
+    return combined(mesh, targets, shares).without(bounds.plain, bounds.uncoloured)

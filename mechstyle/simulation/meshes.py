@@ -55,7 +55,7 @@ class Followed(NamedTuple):
     @property
     def words(self) -> str:
         """Its figures in words."""
-        grounded = "" if self.grounded >= LEAST_GROUNDED else f", {1.0 - self.grounded:.0%} of its base off the floor"
+        grounded = "" if self.grounded >= LEAST_GROUNDED else f", {self.grounded:.0%} of the base on the floor in the mesh"
         thicker = "" if self.thicker <= THICKER else f", walls thicker by {self.thicker:.0%}"
         return f"{self.whole:.0%} of the relief{thicker}{grounded}, volume {self.volume:+.1%}"
 

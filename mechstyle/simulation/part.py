@@ -16,11 +16,12 @@ from numpy.typing import NDArray
 from mechstyle._files import cache_folder
 from mechstyle.errors import BadInput, unknown
 from mechstyle.fea.explicit import no_progress
+from mechstyle.geometry.borders import Extent
 from mechstyle.geometry.cancelling import CancelCheck, meanwhile, never_cancel
 from mechstyle.geometry.inside_outside import is_inside, sky_seen
 from mechstyle.geometry.level_base import LevelBase
-from mechstyle.geometry.mating import mating_faces
-from mechstyle.geometry.region_selection import protection
+from mechstyle.geometry.mating import mating_ends
+from mechstyle.geometry.region_selection import inside, protection
 from mechstyle.geometry.remeshing import even as standardise
 from mechstyle.geometry.remeshing.filling import VERSION as TETRAHEDRA
 from mechstyle.geometry.remeshing.filling import fill
@@ -63,8 +64,8 @@ INWARD_SHARE = 0.25
 BASE_SHARE = 0.5
 """… and under a levelled part this share of what the wall has above the minimum."""
 
-INSIDE_RAMP = 2.0
-"""Way from a plain inside over which the relief grows to its full depth [mm]."""
+PLAIN_RAMP = 2.0
+"""Way from a plain inside, and from ends left plain, over which the relief grows to its full depth [mm]."""
 LEAST_INSIDE = 0.005
 """Share of the surface from which a part has an inside."""
 LEFT_PLAIN = "its inside is left plain, so that what belongs into it fits: --inside styled has it styled as well"
@@ -150,11 +151,9 @@ class Shape:
         return found if areas[found].sum() >= LEAST_INSIDE * areas.sum() else np.zeros_like(found)
 
     @cached_property
-    def mating(self) -> NDArray[np.bool_]:
-        """Whether each vertex belongs to a flat end that may meet something else, shape [vertex_count]."""
-        found = np.zeros(len(self.surface.vertices), bool)
-        found[self.surface.faces[mating_faces(self.surface)]] = True
-        return found
+    def mating(self) -> Extent:
+        """The flat ends that may meet something else."""
+        return mating_ends(self.surface)
 
     @cached_property
     def smooth(self) -> SurfaceMean:
@@ -388,15 +387,14 @@ def bounds_for(part: Workpiece | Shape, recipe: Recipe) -> tuple[Bounds, tuple[s
     shape = part if isinstance(part, Shape) else part.shape
     named = any(isinstance(region, Inside | Outside) for region in (*recipe.restraint.protect, *_places(recipe)))
     fits = not named and recipe.restraint.inside == "plain"
-    hollow = (Inside(ramp=INSIDE_RAMP, colour=True),) if fits and shape.inside.any() else ()
+    hollow, mates = fits and shape.inside.any(), fits and shape.mating.holds.any()
     bounds = shape.bounds(recipe.restraint.base, recipe.delivery.minimum_wall)
-    protected = protection((*recipe.restraint.protect, *hollow), part.surface, part.thickness)
-    mates = shape.mating & fits
-    free = np.where(mates, 0.0, np.minimum(bounds.freedom, protected.freedom)).astype(np.float32)
-    kept = ((LEFT_PLAIN, bool(hollow)), (MATING, bool(mates.any())))
-    notes = (*protected.notes[: len(recipe.restraint.protect)], *(note for note, holds in kept if holds))
-    plain = mates | (shape.inside & bool(hollow))
-    return replace(bounds, freedom=free, uncoloured=(protected.uncoloured | mates)[:, None], plain=plain, seen=shape.seen), notes
+    kept = [(held, note) for held, note, there in ((inside(shape.surface), LEFT_PLAIN, hollow), (shape.mating, MATING, mates)) if there]
+    protected = protection(recipe.restraint.protect, part.surface, part.thickness, [(held, PLAIN_RAMP) for held, _ in kept])
+    free = np.minimum(bounds.freedom, protected.freedom).astype(np.float32)
+    plain = np.logical_or.reduce([held.holds for held, _ in kept]) if kept else np.zeros(len(free), bool)
+    notes = (*protected.notes, *(note for _, note in kept))
+    return replace(bounds, freedom=free, uncoloured=protected.uncoloured[:, None], plain=plain, seen=shape.seen), notes
 
 
 def _places(recipe: Recipe) -> tuple[Region, ...]:

@@ -40,9 +40,9 @@ class Target(NamedTuple):
     colour: NDArray[np.float32]
     notes: tuple[str, ...]
 
-    def without(self, plain: NDArray[np.bool_] | bool) -> Target:
-        """The same where a part is not to be plain, shape [n]."""
-        relief, colour = np.where(plain, 0.0, self.displacement), np.where(np.asarray(plain)[..., None], NEUTRAL, self.colour)
+    def without(self, plain: NDArray[np.bool_] | bool, uncoloured: NDArray[np.float32] | float) -> Target:
+        """The same where a part is not to be plain, shape [n], with a share of its own colour, shape [n, 1]."""
+        relief, colour = np.where(plain, 0.0, self.displacement), self.colour + uncoloured * (NEUTRAL - self.colour)
         return Target(relief.astype(np.float32), colour.astype(np.float32), self.notes)
 
 

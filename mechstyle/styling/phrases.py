@@ -80,6 +80,16 @@ def unknown_stuff(items: Sequence[Item]) -> list[str]:
     return [item.text for item in said if isinstance(item, Word) and not item.means and item.text]
 
 
+def with_stuff(items: Sequence[Item]) -> list[Item]:
+    """Items where what is made of something that only weaker words know is that, and not the thing: a robot made of vegetables."""
+    first = next((at for at, item in enumerate(items) if meaning(item) in _MADE), len(items))
+    after = list(itertools.takewhile(lambda item: not _ends_scope(item), items[first + 1 :]))
+    if any(is_style(item) or meaning(item) in COLOURS for item in after) or not any(meaning(item) in weak() for item in after):
+        return list(items)
+    things = [item._replace(means="") if isinstance(item, Word) and is_style(item) and is_thing(item) else item for item in items[:first]]
+    return [*things, *items[first:]]
+
+
 def items_of(found: Sequence[Word], notes: list[str]) -> list[Item]:
     """The words with those that belong together as one: phrases, lengths, places; notes are added on numbers left out."""
     read = _with_shades(_with_phrases(found), notes)

@@ -50,6 +50,7 @@ from mechstyle.styling.phrases import (
     meaning,
     style_of,
     unknown_stuff,
+    with_stuff,
     without_negated,
 )
 from mechstyle.styling.picture import NAME as OWN
@@ -148,6 +149,7 @@ def read(prompt: str, *, picture: bool = False) -> Reading:
     kept, unwanted = without_negated(items, adjectives_only=False)
     if not _clauses(kept, notes=[]) and any(is_style(item) for item in unwanted):
         kept, unwanted = without_negated(items, adjectives_only=True)
+    kept = with_stuff(kept)
     _check_said(kept, unwanted)
     clauses = _clauses(kept, notes) if not strange or any(_names(word, notes) for word in found) else []
     if not clauses:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from mechstyle import gallery
-from mechstyle.geometry.mating import mating_faces
+from mechstyle.geometry.mating import mating_ends
 from mechstyle.geometry.remeshing.evening import even, surface_of
 
 CUP = manifold3d.Manifold.cylinder(50.0, 20.0, 20.0, 64) - manifold3d.Manifold.cylinder(50.0, 18.5, 18.5, 64).translate((0, 0, 3))
@@ -20,7 +20,7 @@ TABLE = manifold3d.Manifold.cube((60.0, 60.0, 6.0)) + manifold3d.Manifold.batch_
 @pytest.mark.parametrize(("solid", "area"), [(CUP, np.pi * (20.0**2 - 18.5**2)), (TABLE, 4 * 25.0)], ids=["rim", "feet"])
 def test_the_ends_and_nothing_else(solid, area):
     mesh = even(surface_of(solid), 3000)
-    found = mating_faces(mesh)
+    found = mating_ends(mesh).holds[mesh.faces].all(axis=1)
     assert mesh.face_areas[found].sum() == pytest.approx(area, rel=0.1)
     assert np.allclose(mesh.corners[found].reshape(-1, 3)[:, 2], mesh.vertices[:, 2].max(), atol=0.05)
 
@@ -36,11 +36,11 @@ def test_the_ends_and_nothing_else(solid, area):
     ids=["box", "ball", "angle", "table on its feet"],
 )
 def test_walls_curves_and_the_base_are_none(solid):
-    assert not mating_faces(even(surface_of(solid), 2000)).any()
+    assert not mating_ends(even(surface_of(solid), 2000)).holds.any()
 
 
 def test_of_the_gallery_little_is_taken():
     """A rim or feet: what is more would be seen."""
     for name in gallery.names():
         mesh = gallery.make(name)
-        assert mesh.face_areas[mating_faces(mesh)].sum() < 0.06 * mesh.face_areas.sum(), name
+        assert mesh.vertex_areas[mating_ends(mesh).holds].sum() < 0.06 * mesh.face_areas.sum(), name

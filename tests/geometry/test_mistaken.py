@@ -28,6 +28,9 @@ NO_MESH = {
     "archive of texts": (packed("letter.txt", b"hello"), "is a ZIP archive: unpack it, and take the mesh out of it"),
     "packed": (gzip.compress(exported("stl")), "is a packed archive"),
     "document": (b"%PDF-1.7\n" + b"0" * 200, "is a picture or a document"),
+    "old GLB": (b"glTF\x01\0\0\0" + b"0" * 200, "is glTF 1.0"),
+    "points of a scan": (b"ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n0\n", "is a cloud of points"),
+    "points in text": (b"# scan\nv 0 0 0\nv 10 0 0\nv 0 10 20.5\n", "is a cloud of points"),
     "glTF": (b'{"asset": {"version": "2.0"}, "buffers": [{"uri": "part.bin"}]}', "is a glTF file in several parts"),
 }
 FILES = {

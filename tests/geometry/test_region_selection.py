@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from mechstyle.errors import BadInput
+from mechstyle.geometry.borders import Extent
 from mechstyle.geometry.region_selection import faded, protection, segments, selected
 from mechstyle.geometry.remeshing.evening import even, surface_of
 from mechstyle.geometry.thickness import local_thickness
@@ -165,16 +166,15 @@ def test_the_strictest_region_counts_and_each_keeps_its_own_colour_rule(cup, thi
     both = protection([low, high], cup, thickness)
     height = cup.vertices[:, 2]
     assert np.array_equal(both.freedom == 0.0, (height <= 10) | (height >= 25))
-    assert np.array_equal(both.uncoloured, height <= 10)
-    alone = protection([low], cup, thickness).freedom
-    between = (height > 10) & (height < 25)
-    assert np.array_equal(both.freedom[between], alone[between])
+    assert np.array_equal(both.uncoloured == 1.0, height <= 10)
+    each = [protection([one], cup, thickness).freedom for one in (low, high)]
+    assert np.array_equal(both.freedom, np.minimum(*each))
     assert both.notes[1].startswith("protected: above 25, ")
 
 
 def test_a_ramp_rises_by_the_way_along_the_surface(cup):
     below = cup.vertices[:, 2] <= 10
-    free = faded(cup, below, 8.0)
+    free = faded(Extent(cup, below), 8.0)
     outer = (np.linalg.norm(cup.vertices[:, :2], axis=1) > 19.5) & (cup.vertices[:, 2] > 10)
     way = cup.vertices[outer, 2] - 10
     assert np.all(free[below] == 0.0)
@@ -188,12 +188,12 @@ def test_a_ramp_rises_by_the_way_along_the_surface(cup):
 def test_along_straight_edges_a_ramp_is_a_straight_line_from_either_side(ramp, edge):
     flat = sheet(10.0, 0.5)
     way = across(flat) if edge == "first" else across(flat).max() - across(flat)
-    assert faded(flat, way == 0.0, ramp) == pytest.approx(np.minimum(way / ramp, 1.0))
+    assert faded(Extent(flat, way == 0.0), ramp) == pytest.approx(np.minimum(way / ramp, 1.0))
 
 
 @pytest.mark.parametrize("ramp", [0.0, 1.0, 8.0])
 def test_around_nothing_nothing_fades(cube, ramp):
-    assert np.array_equal(faded(cube, np.zeros(8, bool), ramp), np.ones(8))
+    assert np.array_equal(faded(Extent(cube, np.zeros(8, bool)), ramp), np.ones(8))
 
 
 def test_a_ramp_does_not_reach_through_a_wall(cup, thickness):

@@ -308,6 +308,17 @@ def test_many_loose_sheets_are_looked_for_once(monkeypatch):
     assert cast == [2 * 4 * len(sheets)] * 2, "for both sides, at four places of two faces"
 
 
+def test_a_large_piece_with_holes_that_is_seen_is_not_looked_at_all_over(monkeypatch):
+    """Scans have holes: rays from each of a hundred thousand faces took minutes."""
+    looked_at, real = [], repair.escaping
+    monkeypatch.setattr(repair, "escaping", lambda tree, points, *others: looked_at.append(len(points)) or real(tree, points, *others))
+    ball = trimesh.creation.icosphere(4, 30.0)
+    pierced = SurfaceMesh(ball.vertices, ball.faces[1:])
+    count = len(pierced.faces)
+    assert repair._inner(pierced, np.zeros(count, np.int32), *repair._edges_of(pierced)) == set()
+    assert sum(looked_at) < 0.3 * count
+
+
 @pytest.mark.parametrize("at", [(0.0, 0.0, 30.0), (5.0, 0.0, 0.0)], ids=["outside", "through a side"])
 def test_a_sheet_that_is_not_within_the_body_is_refused(at):
     assert "is open and cannot be closed" in refusal(together(box(), sheet(8.0, at)))

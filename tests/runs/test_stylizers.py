@@ -95,7 +95,7 @@ def test_protected_vertices_are_free_in_nothing_and_the_user_is_told(ball):
     bounds, notes = bounds_for(ball, plan(ball, "brick", protect="above 5 ramp 4 colour"))
     height = ball.surface.vertices[:, 2]
     assert np.array_equal(bounds.freedom == 0.0, height >= 5)
-    assert np.array_equal(bounds.uncoloured[:, 0], height >= 5)
+    assert np.array_equal(bounds.uncoloured[:, 0] == 1.0, height >= 5)
     assert np.all(bounds.freedom[height < -1] == 1.0)
     assert notes == ("protected: above 5 ramp 4 colour, 25% of the surface",)
 
@@ -226,7 +226,7 @@ def test_the_inside_of_a_container_is_left_plain_and_that_is_said(mug, part):
     bounds, notes = bounds_for(mug, plan(part, "brick", base="free"))
     assert not bounds.freedom[inside].any()
     assert np.all(bounds.freedom[outside] == 1.0)
-    assert bounds.uncoloured[inside].all()
+    assert np.all(bounds.uncoloured[inside] == 1.0)
     assert not bounds.uncoloured[outside].any()
     assert not bounds.freedom[(height > 29.9)].any()
     assert [note.split(" left plain")[0] for note in notes] == PLAIN_PARTS
