@@ -90,7 +90,8 @@ def glb(change):
 
 
 def test_a_header_that_claims_more_numbers_than_the_file_has_bytes(unread, tmp_path):
-    head = "ply\nformat binary_little_endian 1.0\nelement vertex 1000000000000\nproperty float x\nend_header\n"
+    faces = "element face 0\nproperty list uchar int vertex_indices\n"
+    head = f"ply\nformat binary_little_endian 1.0\nelement vertex 1000000000000\nproperty float x\n{faces}end_header\n"
     assert "claims 1000000000000 numbers, more than it can hold" in refusal(put(tmp_path, "part.ply", head.encode() + bytes(99)))
     huge = glb(lambda document: document["accessors"].append({"componentType": 5126, "type": "VEC3", "count": 10**9}))
     assert "claims 12000000000 bytes of numbers" in refusal(put(tmp_path, "part.glb", huge))

@@ -25,49 +25,54 @@ class Extent:
     Attributes:
         surface: The surface.
         holds: Whether the region holds each vertex, shape [vertex_count].
-        crossings: How far along the edges from a vertex that is held to one that is not the border lies, in [0, 1], shape [k], of their
-            numbers, shape [k] each; None where all that is known are vertices: then it lies at these.
+        crossings: How far along each edge of `leaving` the border lies from the vertex that is held, in [0, 1], shape [k]; None where all
+            that is known are vertices: then it lies at these.
     """
 
     surface: SurfaceMesh
     holds: Bools
-    crossings: Callable[[Indices, Indices], Floats] | None = None
+    crossings: Floats | None = None
 
     @classmethod
     def below(cls, surface: SurfaceMesh, level: Floats) -> Extent:
         """Where a field of the vertices, shape [vertex_count], is zero or less; along edges it is a straight line."""
-        return cls(surface, np.asarray(level <= 0.0), lambda held, free: np.asarray(level[held] / (level[held] - level[free])))
+        holds = np.asarray(level <= 0.0)
+        held, free = leaving(surface, holds)
+        return cls(surface, holds, np.asarray(level[held] / (level[held] - level[free])))
 
     @classmethod
-    def where(cls, surface: SurfaceMesh, holds: Callable[[Floats, Floats], Bools]) -> Extent:
+    def where(cls, surface: SurfaceMesh, tells: Callable[[Floats, Floats], Bools]) -> Extent:
         """Where points of the surface with their normals, shape [n, 3], are held by a rule."""
         points, normals = surface.vertices, surface.vertex_normals
-
-        def halved(held: Indices, free: Indices) -> Floats:
-            near, far = np.zeros(len(held)), np.ones(len(held))
-            for _ in range(HALVINGS):
-                middle = 0.5 * (near + far)
-                there = holds(points[held] + middle[:, None] * (points[free] - points[held]), normals[held])
-                near, far = np.where(there, middle, near), np.where(there, far, middle)
-            return 0.5 * (near + far)
-
-        return cls(surface, np.asarray(holds(points, normals)), halved)
+        holds = np.asarray(tells(points, normals))
+        held, free = leaving(surface, holds)
+        near, far = np.zeros(len(held)), np.ones(len(held))
+        for _ in range(HALVINGS):
+            middle = 0.5 * (near + far)
+            there = tells(points[held] + middle[:, None] * (points[free] - points[held]), normals[held])
+            near, far = np.where(there, middle, near), np.where(there, far, middle)
+        return cls(surface, holds, 0.5 * (near + far))
 
     def way(self, limit: float = np.inf, *, to_both_sides: bool = False) -> Floats:
         """Way from the border along edges [mm], shape [vertex_count], 0 for vertices that are held, infinite beyond a limit.
 
         Of regions to both sides of which it is wanted that of the vertices that are held counts from the border, too.
         """
-        edges, held = self.surface.edges, self.holds
-        crossed = edges[held[edges[:, 0]] != held[edges[:, 1]]]
-        inner, outer = np.where(held[crossed[:, :1]], crossed, crossed[:, ::-1]).T
-        share = np.zeros(len(crossed)) if self.crossings is None else self.crossings(inner, outer)
+        held, (inner, outer) = self.holds, leaving(self.surface, self.holds)
+        share = np.zeros(len(inner)) if self.crossings is None else self.crossings
         length = np.linalg.norm(self.surface.vertices[inner] - self.surface.vertices[outer], axis=1)
         start = np.full(len(held), np.inf)
         np.minimum.at(start, outer, (1.0 - share) * length)
         np.minimum.at(start, inner, share * length)
         found = way_from(self.surface, start, limit)
         return found if to_both_sides else np.where(held, 0.0, found)
+
+
+def leaving(surface: SurfaceMesh, holds: Bools) -> tuple[Indices, Indices]:
+    """The edges that leave a region, as the vertices that it holds and those that it does not, shape [k] each."""
+    crossed = surface.edges[holds[surface.edges[:, 0]] != holds[surface.edges[:, 1]]]
+    held, free = np.where(holds[crossed[:, :1]], crossed, crossed[:, ::-1]).T
+    return held, free
 
 
 def way_from(surface: SurfaceMesh, start: ArrayLike, limit: float = np.inf) -> Floats:

@@ -36,7 +36,8 @@ def mating_ends(mesh: SurfaceMesh) -> Extent:
         touched, whole = float(mesh.face_areas[there].sum()), float(mesh.face_areas.sum())
         small = LEAST * whole < touched < MOST * whole and touched < FILLED * _spanned(mesh, there, int(np.abs(way).argmax()))
         if small and _feet_or_ring(mesh.faces[there]):
-            depth = np.minimum(depth, below)
+            flat = np.isin(np.arange(len(below)), mesh.faces[there])
+            depth = np.minimum(depth, np.where(flat, below, np.maximum(below, np.finfo(float).tiny)))
     return Extent.below(mesh, depth)
 
 

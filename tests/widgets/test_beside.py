@@ -26,7 +26,7 @@ def test_one_press_runs_both_and_compares_them(controller, settle):
     assert (free.parent, free.forked_at, free.finished) == ("main", 0, True)
     recipe = state.run.store.recipe(state.run.store.lane("freestyle").recipe)
     assert {name: recipe.settings[name] for name in FREESTYLE} == FREESTYLE
-    assert table(branches)["control"] == ["none", "exponential"]
+    assert table(branches)["control"] == ["none", "faster than evenly"]
     assert table(branches)["outcome"] == [said_of(state.row(12, lane).verdict) for lane in ("freestyle", "main")]
 
 
@@ -74,7 +74,7 @@ def test_a_third_pane_for_what_is_branched_from(controller, settle):
     branches.third = ("main", 12)
     settle(controller)
     assert (state.lane, branches.places) == ("branch-1", [("freestyle", 12), ("main", 12), ("branch-1", 12)])
-    assert table(branches)["control"] == ["none", "exponential", "frozen"]
+    assert table(branches)["control"] == ["none", "faster than evenly", "only at the limit"]
     assert len(table(branches)["outcome"]) == 3
     branches._pin.click()
     assert (branches.pinned, branches.third) == (("branch-1", 12), None)
