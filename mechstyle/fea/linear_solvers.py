@@ -165,10 +165,7 @@ class FreeBody:
         """
         if not np.isfinite(loads).all():
             raise SimulationFailed("what a load leaves could not be found: it is not a finite number")
-        return np.stack([self._without_motion(self._solved(load[:, None])) for load in loads])
-
-    def _without_motion(self, solved: Floats) -> Floats:
-        return np.asarray(solved - self._rigid @ (self._rigid.T @ (self._root * solved)) / self._root)[:, 0]
+        return np.stack([self._solved(load[:, None])[:, 0] for load in loads])
 
     def _solved(self, load: Floats) -> Floats:
         found = _by_conjugate_gradients(self._matrix, self._nearly, load)
@@ -176,7 +173,7 @@ class FreeBody:
             found = _by_conjugate_gradients(self._matrix, self._factors, load)
         if found is None:
             raise SimulationFailed("what a load leaves could not be found: its equations were not solved")
-        return found
+        return np.asarray(found - self._rigid @ (self._rigid.T @ (self._root * found)) / self._root)
 
     @cached_property
     def _factors(self) -> Callable[[Floats], Floats]:
@@ -188,7 +185,7 @@ class FreeBody:
 
 
 def _by_conjugate_gradients(matrix: bsr_array, preconditioner: Callable[[Floats], Floats], right: Floats) -> Floats | None:
-    """A x = b of a right side, shape [n, 1]; None if it takes too many steps."""
+    """A x = b of a right side, shape [n, 1]; None if it takes too many steps, or A or the preconditioner is not positive definite."""
     found, rest = np.zeros_like(right), right.copy()
     towards = preconditioner(rest)
     way, size = towards, _dot(rest, towards)
@@ -197,7 +194,10 @@ def _by_conjugate_gradients(matrix: bsr_array, preconditioner: Callable[[Floats]
         if size <= ENOUGH**2 * first:
             return found
         image = matrix @ way
-        step = size / _dot(way, image)
+        energy = _dot(way, image)
+        if not energy > 0.0:  # along a motion as a whole, or no number: it leads nowhere
+            return None
+        step = size / energy
         found, rest = found + step * way, rest - step * image
         towards, before = preconditioner(rest), size
         size = _dot(rest, towards)

@@ -15,6 +15,7 @@ import warnings
 import zipfile
 import zlib
 from collections.abc import Mapping
+from numbers import Real
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, NamedTuple
@@ -146,7 +147,7 @@ def _scaled(file: Path, scale: float | None, unit: str, size: float | None) -> t
     if sum(given.values()) > 1:
         raise BadInput(f"{' and '.join(what for what, is_given in given.items() if is_given)} are given: one of them says it all")
     for what, number, example in (("scale", scale, "25.4 for inches"), ("size", size, "120 for 120 mm")):
-        real = isinstance(number, int | float)
+        real = isinstance(number, Real)
         if number is not None and not (real and np.isfinite(number) and number > 0):
             raise BadInput(f"{what} is {f'{number:g}' if real else repr(number)}, but must be a positive number, such as {example}")
     factor_given = millimetres(unit) if unit else scale

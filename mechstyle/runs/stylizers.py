@@ -28,7 +28,6 @@ from mechstyle.simulation.part import Shape, Workpiece, bounds_for
 from mechstyle.styling.combination import combined, places
 from mechstyle.styling.dimensions import Dimensions
 from mechstyle.styling.drawing.canvas import Canvas
-from mechstyle.styling.drawing.colours import NEUTRAL
 from mechstyle.styling.drawn import ProceduralStylizer, Target, canvas_for, target
 from mechstyle.styling.learned.weights import located, need_clip_extra
 from mechstyle.styling.picture import NAME as PICTURE
@@ -190,7 +189,7 @@ def finished_style(part: Workpiece | Shape, recipe: Recipe, go_on: CancelCheck =
     aim = drawing_of(part, bounds, recipe, reading_of(recipe), go_on=go_on).target
     wanted = bounds.freedom * bounds.levelled(aim.displacement)
     relief = advanced(np.zeros_like(wanted), np.ones_like(wanted), wanted, bounds, recipe)
-    return FinishedStyle(relief, np.where(np.asarray(bounds.uncoloured) == 1.0, NEUTRAL, aim.colour), bounds.freedom == 0.0, aim.notes)
+    return FinishedStyle(relief, aim.colour, bounds.freedom == 0.0, aim.notes)
 
 
 class Drawing(NamedTuple):

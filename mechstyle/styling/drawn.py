@@ -42,7 +42,7 @@ class Target(NamedTuple):
 
     def without(self, plain: NDArray[np.bool_] | bool, uncoloured: NDArray[np.float32] | float) -> Target:
         """The same where a part is not to be plain, shape [n], with a share of its own colour, shape [n, 1]."""
-        relief, colour = np.where(plain, 0.0, self.displacement), self.colour + uncoloured * (NEUTRAL - self.colour)
+        relief, colour = np.where(plain, 0.0, self.displacement), (1.0 - uncoloured) * self.colour + uncoloured * NEUTRAL
         return Target(relief.astype(np.float32), colour.astype(np.float32), self.notes)
 
 

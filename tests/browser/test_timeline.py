@@ -86,3 +86,18 @@ def test_what_python_sets_is_what_the_mouse_sets(shown):
     shown.until(where(shown), "('frozen', 1, 1, 1, 1)")
     shown.changed(timeline, drawn, 0.001)
     shown.changed(shown.canvas(), before, 0.003)
+
+
+def test_page_and_kernel_fall_silent_when_nobody_moves_the_line(shown):
+    """Line, play button and kernel hold the same iteration: none may answer the others for ever."""
+    shown.python("heard = []; timeline._curves.observe(heard.append, 'head'); timeline._play.observe(heard.append, 'value')")
+    shown.page.get_by_role("slider", name="iteration").focus()
+    for key in ("End", "ArrowLeft", "Home", "ArrowRight", "ArrowRight", "ArrowLeft"):
+        shown.page.keyboard.press(key)
+    shown.python("timeline.iteration = 3")
+    shown.until(where(shown), "('frozen', 3, 3, 3, 3)")
+    shown.page.wait_for_timeout(1000)
+    before = shown.python("print(len(heard))")
+    shown.page.wait_for_timeout(1000)
+    assert shown.python("print(len(heard))") == before
+    shown.until(where(shown), "('frozen', 3, 3, 3, 3)")

@@ -124,11 +124,11 @@ def test_an_unknown_setting_is_refused_in_one_line_with_what_to_do(name, cure):
 @pytest.mark.parametrize(
     ("given", "line"),
     [
-        ({"threshold": "x"}, "threshold expected a float, not the str 'x'."),
+        ({"threshold": "x"}, "threshold must be a number, not 'x'"),
         ({"vertices": -1}, "vertices should not be less than 1, but a value of -1 was specified"),
-        ({"theme": "blue"}, "theme expected any of ['auto', 'light', 'dark'], not the str 'blue'."),
-        ({"filled": "yes"}, "filled expected a boolean, not the str 'yes'."),
-        ({"prompt": 5}, "prompt expected a unicode string, not the int 5."),
+        ({"theme": "blue"}, "theme must be one of ['auto', 'light', 'dark'], not 'blue'"),
+        ({"filled": "yes"}, "filled must be True or False, not 'yes'"),
+        ({"prompt": 5}, "prompt must be text, not 5"),
         ({"scale": "big"}, "scale is 'big', but must be a positive number, such as 25.4 for inches"),
     ],
 )

@@ -77,6 +77,11 @@ OF_A_PART = ("relief", "amplitude", "side", "feature", "image_size", "protect", 
 """Fields of a recipe that are meant for one part: lengths on it and places of it."""
 TRAIT = re.compile(r"^The (?:value of the )?'(?P<name>\w+)' trait of an? \w+ instance")
 """How a trait begins to say what it does not take."""
+IN_WORDS = {
+    "expected a float": "must be a number", "expected an int": "must be a whole number", "expected a boolean": "must be True or False",
+    "expected a unicode string": "must be text", "expected any of": "must be one of",
+}  # fmt: skip
+"""What it takes, in plain words."""
 UNSEEN = tuple(name for name in SETTINGS if name not in SHOWN)
 """Fields of a recipe without a control: what a run was opened with, or was given by name, stays."""
 
@@ -87,7 +92,10 @@ def plainly() -> Iterator[None]:
     try:
         yield
     except traitlets.TraitError as error:
-        raise BadInput(TRAIT.sub(r"\g<name>", str(error))) from None
+        line = re.sub(r", not the \w+ (.*)\.$", r", not \1", TRAIT.sub(r"\g<name>", str(error)))
+        for says, means in IN_WORDS.items():
+            line = line.replace(says, means)
+        raise BadInput(line) from None
 
 
 class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
