@@ -26,9 +26,9 @@ studio
 """
 PAINTED = """
 from mechstyle_widgets import Studio
+from mechstyle_widgets.studio import TITLES
 painted = Studio(protect=["sphere 12 -14 68 9", "sphere 0 -17 4 7"])
-painted._groups[0].unfolded = painted._groups[1].unfolded = False
-painted._groups[5].unfolded = True
+painted._groups[TITLES.index("Keep plain")].unfolded = True
 painted
 """
 BRANCH = "studio.branches.pin(); studio.controller.branch(20, lane='cautious', threshold=0.1)"
@@ -39,7 +39,7 @@ STATES = {
     "before": "pass",
     "unknown-prompt": "studio.prompt_box.prompt = 'my own idea'",
     "sheet": "studio.prompt_box.prompt = 'brick'; studio.prompt_box._chips.all = True",
-    "page": "studio.prompt_box._chips.all = False; studio._groups[6].unfolded = True",
+    "page": "studio.prompt_box._chips.all = False; next(one for one in studio._groups if one.page).unfolded = True",
     "pull": "studio.close_page(); studio.viewer._clicks((12.0, 0.0, 82.2))",
     "finished": "studio.viewer.arrow = (); studio.controller.run()",
     "stress": "studio.state.layer = 'stress'; studio.viewer.stepped = True",

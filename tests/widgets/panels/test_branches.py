@@ -29,6 +29,7 @@ def test_choosing_a_lane_shows_it_and_what_it_changed(branches):
     assert branches.state.lane == "soft"
     assert "faster than evenly" in branches._changes.value, "as the setting is called where it is made"
     assert "<td>evenly</td>" in branches._changes.value
+    assert ">MechStyle</th>" in branches._changes.value, "lanes have one name everywhere"
     branches.state.lane = "main"
     assert branches._choice.value == "main"
 

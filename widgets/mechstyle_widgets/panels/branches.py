@@ -173,15 +173,15 @@ class Branches(Section):
         return side_by_side(names, (one.verdict, other.verdict), (_share_kept(free, one), _share_kept(fed, other)))
 
     def _list(self, _change: object = None) -> None:
-        names = [branch.lane for branch in self.state.branches]
+        names, called = [branch.lane for branch in self.state.branches], self.state.called
         with unheard(self._choice, self._choose):
-            histories, called = self.state.histories, self.state.called
+            histories = self.state.histories
             self._choice.options = [(_line(one, histories[one.lane], called), one.lane) for one in self.state.branches]
             self._choice.value = self.lane if self.lane in names else None
             self._choice.rows = min(max(len(names), 2), 6)
         shown = next((branch for branch in self.state.branches if branch.lane == self.lane), None)
         rows = [(name.replace("_", " "), said(before), said(after)) for name, before, after in shown.changes] if shown else []
-        self._changes.say(table(("changed", shown.parent if shown else "", self.lane), rows) if rows else "")
+        self._changes.say(table(("changed", called(shown.parent) if shown else "", called(self.lane)), rows) if rows else "")
         self._redraw()
 
     def _change_places(self, change: dict[str, Any]) -> None:
