@@ -20,6 +20,7 @@ import numpy as np
 from sheets import Specimen
 
 import mechstyle as ms
+from mechstyle.fea.drop import resolve_device
 from mechstyle.gallery import names
 from mechstyle.loop.bounds import unrestrained_relief
 from mechstyle.records import Simulation
@@ -54,11 +55,11 @@ class Measured(msgspec.Struct):
     seconds: float
 
 
-def measured(part: Workpiece, prompt: str, printed: dict[str, str]) -> Measured:
+def measured(part: Workpiece, prompt: str, printed: dict[str, str], device: str) -> Measured:
     """Drop a part, plain for no prompt, else with its free relief."""
     recipe = fitted(draft(prompt or BRICK, freestyle=True, **printed), part)
     memo, began = cached_memo(), time.process_time()
-    simulator = DropSimulator(part, recipe, memo, memo, "cpu")
+    simulator = DropSimulator(part, recipe, memo, memo, resolve_device(device))
     simulation = simulator.simulate(relief(part, prompt) if prompt else np.zeros(len(part.surface.vertices), np.float32), thorough=True)
     return figures(simulation, simulator, time.process_time() - began)
 
@@ -109,6 +110,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("parts", nargs="*", choices=[*names(), []])
     parser.add_argument("--plain", action="store_true", help="without brick")
+    parser.add_argument("--device", default="cpu")
     parser.add_argument("--page", action="store_true", help="write the table of the page")
     asked = parser.parse_args()
     if asked.page:
@@ -119,7 +121,7 @@ def main() -> None:
         part = prepare(ms.load(f"gallery:{name}"), vertices=VERTICES)
         for prompt in ("",) if asked.plain else ("", BRICK):
             for kind, printed in PRINTS.items():
-                found = measured(part, prompt, printed)
+                found = measured(part, prompt, printed, asked.device)
                 print(name, prompt or "plain", kind, found, flush=True)
                 known = kept()  # others may run at the same time
                 known.setdefault(name, {})[f"{prompt} {kind}".strip()] = found

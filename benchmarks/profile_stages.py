@@ -18,7 +18,7 @@ import resource
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -129,10 +129,18 @@ class Teller:
     Attributes:
         begun: When the first fall was about to begin [s].
         first: How long it was from there until the style had been tested once [s], None before.
+        said: Notes of the part and its file.
     """
 
     begun = 0.0
     first: float | None = None
+
+    def __init__(self) -> None:
+        self.said: set[str] = set()
+
+    def say(self, notes: Iterable[str]) -> None:
+        """Notes of the part."""
+        self.said.update(notes)
 
     def stage(self, what: str) -> None:
         """What begins."""

@@ -1,14 +1,17 @@
 """Contact sheets of styles and models, which pages show: run it for docs/styles.png.
 
-python benchmarks/sheets.py
+python benchmarks/sheets.py --jobs 2     # an hour of a core
 """
 
 from __future__ import annotations
 
+import argparse
 import io
+import multiprocessing
 from collections.abc import Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -79,6 +82,7 @@ class Specimen:
 
 def contact_sheet(
     *, styles: Sequence[str] = (), parts: Mapping[str, Mapping[str, float]] = PARTS, vertices: int = PICTURED, columns: int = 2,
+    jobs: int = 1,
 ) -> Picture:  # fmt: skip
     """A row for each style: on every part, coloured and in grey, which shows the relief alone.
 
@@ -87,11 +91,18 @@ def contact_sheet(
         parts: Gallery models and their measures [mm] where they differ from the models' own.
         vertices: Vertices of the standardised surfaces.
         columns: Columns of rows, so that the page is not a ribbon.
+        jobs: Processes side by side.
     """
     known = [style_named(name) for name in styles or names()]
     specimens = [Specimen.of(make(part, **measures), vertices) for part, measures in parts.items()]
-    rows = [np.hstack([_pair(specimen.styled(Wish(style.name))[0]) for specimen in specimens]) for style in known]
+    with ProcessPoolExecutor(jobs, mp_context=multiprocessing.get_context("spawn")) as pool:
+        rows = list(pool.map(partial(_row, specimens), [style.name for style in known]))
     return Picture(_page(rows, [(style.name.replace("_", " "), style.description) for style in known], columns))
+
+
+def _row(specimens: Sequence[Specimen], style: str) -> Pixels:
+    """A style on every part, shape [CELL, 2 · CELL · parts, 3]."""
+    return np.hstack([_pair(specimen.styled(Wish(style))[0]) for specimen in specimens])
 
 
 def _pair(styled: SurfaceMesh) -> Pixels:
@@ -181,4 +192,6 @@ def _suited(name: str) -> Pixels:
 
 
 if __name__ == "__main__":
-    contact_sheet().save(Path(__file__).parents[1] / "docs" / "styles.png")
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("--jobs", type=int, default=1)
+    contact_sheet(jobs=parser.parse_args().jobs).save(Path(__file__).parents[1] / "docs" / "styles.png")
