@@ -136,7 +136,8 @@ def _attempt(surface: SurfaceMesh, aim: float, sharpness: float, timeout: float,
     epsilon = (1.0 if keep is None else 0.5) * tolerance
     loose = sharpness * TOL.loose * wall
     detail = 0.5 * TOL.lost_detail * wall
-    even = _filled_as(surface, aim, loose, detail, go_on) if keep is None else _kept(surface, keep, loose, detail, go_on)
+    finest = even_edge(surface, round(TOL.finest_input / sharpness))  # coarser ones may be what the fault of the run before comes from
+    even = _filled_as(surface, aim, finest, loose, detail, go_on) if keep is None else _kept(surface, keep, loose, detail, go_on)
     own = (TOL.per_face if keep is None else TOL.per_kept_face) * len(even.faces)
     edge = _edge(surface.volume, own, aim)
     found = _tidied(*tetwild(even.vertices, even.faces, Settings(edge, epsilon / surface.size), timeout=timeout, go_on=go_on))
@@ -162,15 +163,16 @@ def _first_edge(surface: SurfaceMesh, aim: float) -> float:
     return float(roots[np.isreal(roots)].real.max())
 
 
-def _filled_as(surface: SurfaceMesh, aim: float, deviation: float, detail: float, go_on: CancelCheck) -> SurfaceMesh:
+def _filled_as(surface: SurfaceMesh, aim: float, finest: float, deviation: float, detail: float, go_on: CancelCheck) -> SurfaceMesh:
     """The surface in even triangles, as large as aim or `deviation` [mm] from it allow; in its own where those are as large and serve.
+
+    Even ones have edges of at least `finest` [mm].
 
     fTetWild spends its time on slivers: even triangles are meshed several times faster. Its own triangles also stay where even ones are
     fewer than the creases ask for: half a millimetre of relief is within the tolerance of a thick part, and would be evened away.
     """
     edge = asked = _first_edge(surface, aim)
-    body, tree = manifold_of(surface), TriangleTree(surface.vertices, surface.faces)
-    finest, own = even_edge(surface, TOL.finest_input), surface.edge_length
+    body, tree, own = manifold_of(surface), TriangleTree(surface.vertices, surface.faces), surface.edge_length
     while True:
         even = remeshed(body, max(edge, finest), tolerance=0.25 * deviation, iterations=5, go_on=go_on)
         there = tree.nearest(even.vertices).distance
