@@ -40,6 +40,10 @@ class ByFile(LoadScopeScheduling):  # type: ignore[misc]  # xdist has no types
         return nodeid if "notebooks" in nodeid and not ONE_PART.search(test) else file
 
 
+STORED_TETS = Path(__file__).with_name("tets")
+"""Tetrahedra of parts of the tests, as the cache keeps them by content: fTetWild takes seconds of a core for each, and gives others every
+time. What is missing here is meshed; with $MECHSTYLE_STORE_TETS at 1 it is here afterwards. How parts are meshed is tested in
+tests/geometry/remeshing, which keeps none."""
 ONE_PART = re.compile(r"notebook_runs\[0[345]")
 """Notebooks that open runs of each other, in one folder."""
 
@@ -74,9 +78,15 @@ def of_all(tmp_path_factory) -> Path:
 @pytest.fixture(scope="session", autouse=True)
 def cache(of_all) -> Iterator[Path]:
     """One cache for all tests of all workers: each part is meshed once, and the user's own cache stays out of it."""
+    tets = of_all / "cache" / "tets"
+    with exclusive(of_all / "tets.lock", "tets", wait=True):
+        if not tets.is_dir():
+            shutil.copytree(STORED_TETS, tets)
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("MECHSTYLE_CACHE", str(of_all / "cache"))
         yield of_all / "cache"
+    if os.environ.get("MECHSTYLE_STORE_TETS") == "1":
+        shutil.copytree(tets, STORED_TETS, dirs_exist_ok=True)
 
 
 @pytest.fixture(scope="session")

@@ -9,7 +9,7 @@ from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.runs.run import stylize
 from mechstyle.simulation.part_test import simulate
 
-SETTINGS = {"vertices": 500, "window": 0.08, "device": "cpu"}
+SETTINGS = {"vertices": 500, "window": 0.08, "orientations": 2, "nearly_flat": False, "device": "cpu"}
 """The window leaves out later impacts, of which both would see the same."""
 
 

@@ -12,14 +12,14 @@ from mechstyle.simulation import simulator as module
 
 
 @pytest.fixture(scope="session")
-def block():
+def block(cache):
     """A 30 × 20 × 10 mm block and its tetrahedra."""
     box = trimesh.creation.box((30.0, 20.0, 10.0))
     box.apply_translation((0, 0, 5.0))
     for _ in range(3):
         box = box.subdivide()
     surface = SurfaceMesh(box.vertices, box.faces)
-    return surface, fill(surface, 600)
+    return surface, fill(surface, 600, cache=cache / "tets")
 
 
 @pytest.fixture

@@ -107,6 +107,7 @@ def test_a_base_that_is_plain_or_level_is_never_below_the_floor_whatever_is_prop
 
 def test_a_ball_stands_on_nothing_and_says_so(tmp_path, monkeypatch):
     monkeypatch.setenv("MECHSTYLE_CACHE", str(tmp_path))
+    monkeypatch.setattr(module, "undeformed_mesh", lambda *_: None)
     ball = trimesh.creation.icosphere(subdivisions=3, radius=15.0)
     part = prepare(SurfaceMesh(ball.vertices, ball.faces), vertices=1500)
     assert not part.stands

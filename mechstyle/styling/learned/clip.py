@@ -7,12 +7,11 @@ from contextlib import nullcontext
 from pathlib import Path
 
 import torch
+import transformers  # by its attributes: each takes seconds to import, and much here needs no CLIP
 from safetensors import safe_open
 from torch import nn
 from torch.nn import functional
 from torch.nn.attention import SDPBackend, sdpa_kernel
-from transformers import CLIPConfig, CLIPModel, CLIPTokenizer
-from transformers.activations import QuickGELUActivation
 from transformers.utils import logging
 
 from mechstyle.errors import BadInput
@@ -40,10 +39,11 @@ class Clip:
         text_size: Length of its embeddings.
     """
 
-    def __init__(self, model: CLIPModel, tokenizer: CLIPTokenizer, device: str = "cpu") -> None:
+    def __init__(self, model: transformers.CLIPModel, tokenizer: transformers.CLIPTokenizer, device: str = "cpu") -> None:
         # The same sums in fewer passes: patches by a product of matrices, and the factors of quick GELU within the weights around it.
         model.vision_model.embeddings.patch_embedding = Patches(model.vision_model.embeddings.patch_embedding)
-        steep = [layer.mlp for layer in model.vision_model.encoder.layers if isinstance(layer.mlp.activation_fn, QuickGELUActivation)]
+        quick_gelu = transformers.activations.QuickGELUActivation
+        steep = [layer.mlp for layer in model.vision_model.encoder.layers if isinstance(layer.mlp.activation_fn, quick_gelu)]
         with torch.no_grad():
             for perceptron in steep:
                 perceptron.activation_fn = nn.SiLU()
@@ -69,10 +69,11 @@ class Clip:
         logging.disable_progress_bar()
         try:
             vocabulary, merges = _words(folder, files)
-            tokenizer = CLIPTokenizer(vocabulary, merges)
+            tokenizer = transformers.CLIPTokenizer(vocabulary, merges)
             config = _config(folder, vocabulary)
             _check_tensors(folder, files, config)
-            model = CLIPModel.from_pretrained(folder, config=config, local_files_only=True, use_safetensors=True, dtype=torch.float32)
+            read = {"local_files_only": True, "use_safetensors": True, "dtype": torch.float32}
+            model = transformers.CLIPModel.from_pretrained(folder, config=config, **read)
         except BadInput:
             raise
         except Exception as error:  # whatever the libraries say of what somebody else wrote
@@ -118,12 +119,12 @@ def _words(folder: Path, files: Sequence[str]) -> tuple[dict[str, int], list[tup
     return model["vocab"], [tuple(merge.split(" ") if isinstance(merge, str) else merge) for merge in model["merges"]]
 
 
-def _config(folder: Path, vocabulary: Mapping[str, int]) -> CLIPConfig:
+def _config(folder: Path, vocabulary: Mapping[str, int]) -> transformers.CLIPConfig:
     """Sizes of the CLIP of a folder, with the ends of a prompt as its tokenizer numbers them: versions disagree on those in config.json."""
     given = read_json(folder, CONFIG)
     if given.get("model_type") != "clip":
         raise damaged(folder / CONFIG, f"it is of a {given.get('model_type')!r} model, not of a 'clip'")
-    config = CLIPConfig(**{key: given[key] for key in SIZES if key in given})
+    config = transformers.CLIPConfig(**{key: given[key] for key in SIZES if key in given})
     config.text_config.bos_token_id, config.text_config.eos_token_id = vocabulary[BEGIN], vocabulary[END]
     if not 0 <= min(vocabulary.values()) <= max(vocabulary.values()) < config.text_config.vocab_size:
         raise damaged(folder, "its tokenizer is of another model")
@@ -133,10 +134,10 @@ def _config(folder: Path, vocabulary: Mapping[str, int]) -> CLIPConfig:
     return config
 
 
-def _check_tensors(folder: Path, files: Sequence[str], config: CLIPConfig) -> None:
+def _check_tensors(folder: Path, files: Sequence[str], config: transformers.CLIPConfig) -> None:
     """Refuse files that hold other tensors than a config asks for, before anything is allocated: what is missing is never made up."""
     with torch.device("meta"):
-        asked = {name: tuple(value.shape) for name, value in CLIPModel(config).state_dict().items()}
+        asked = {name: tuple(value.shape) for name, value in transformers.CLIPModel(config).state_dict().items()}
     there: dict[str, tuple[int, ...]] = {}
     for name in files:
         if name.endswith(".safetensors"):

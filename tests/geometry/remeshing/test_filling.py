@@ -23,6 +23,7 @@ from mechstyle.geometry.remeshing.evening import surface_of
 from mechstyle.geometry.remeshing.filling import fill
 from mechstyle.geometry.remeshing.tolerances import TOL
 from mechstyle.records.mesh import SurfaceMesh, TetMesh
+from support import ROOT
 
 
 def test_they_fill_the_part(cup, cup_tets):
@@ -372,3 +373,10 @@ def test_a_relief_is_exaggerated_no_further_than_the_shape_of_the_part_allows(bl
 
     assert lost(np.inf) > 0.3
     assert lost(0.3) <= 0.3
+
+
+def test_tetrahedra_that_are_stored_for_tests_are_whole_and_of_this_version():
+    """If they are not, remove them and run all tests with MECHSTYLE_STORE_TETS=1, which leaves new ones."""
+    stored = list((ROOT / "tests" / "tets").iterdir())
+    assert stored
+    assert [path.name for path in stored if not path.name.endswith(f"-{module.VERSION}.npz") or module._cached(path) is None] == []

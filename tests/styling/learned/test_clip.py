@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 import torch
-from transformers import CLIPImageProcessor, CLIPModel, CLIPTokenizer
+import transformers
 
 from mechstyle.errors import BadInput
 from mechstyle.styling.learned.clip import Clip, precision
@@ -28,9 +28,9 @@ def test_sizes_are_those_of_the_model(clip, views):
 
 
 def test_embeddings_are_those_of_the_model_transformers_saved(clip, tiny_clip, views):
-    model = CLIPModel.from_pretrained(tiny_clip, local_files_only=True)
-    tokens = CLIPTokenizer.from_pretrained(tiny_clip, local_files_only=True)("a brick wall", return_tensors="pt")
-    mean, deviation = torch.tensor(CLIPImageProcessor().image_mean), torch.tensor(CLIPImageProcessor().image_std)
+    model = transformers.CLIPModel.from_pretrained(tiny_clip, local_files_only=True)
+    tokens = transformers.CLIPTokenizer.from_pretrained(tiny_clip, local_files_only=True)("a brick wall", return_tensors="pt")
+    mean, deviation = torch.tensor(transformers.CLIPImageProcessor().image_mean), torch.tensor(transformers.CLIPImageProcessor().image_std)
     whole = model(**tokens, pixel_values=(views - mean.view(3, 1, 1)) / deviation.view(3, 1, 1))
     # transformers normalises what it gives out, and bfloat16 where it is used keeps two to three digits.
     for mine, theirs in ((clip.text("a brick wall")[None], whole.text_embeds), (clip.pictures(views), whole.image_embeds)):

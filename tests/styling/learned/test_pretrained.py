@@ -17,9 +17,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 import torch
+import transformers
 from safetensors import numpy as tensors_of_numpy
 from safetensors.torch import load_file, save_file
-from transformers import CLIPModel, CLIPTokenizer
 from transformers.utils import logging
 
 from mechstyle.errors import BadInput
@@ -46,8 +46,8 @@ def folder(tiny_clip, tmp_path) -> Path:
 
 
 @pytest.fixture(scope="module")
-def model(tiny_clip) -> CLIPModel:
-    return CLIPModel.from_pretrained(tiny_clip, local_files_only=True, dtype=torch.float32)
+def model(tiny_clip) -> transformers.CLIPModel:
+    return transformers.CLIPModel.from_pretrained(tiny_clip, local_files_only=True, dtype=torch.float32)
 
 
 @pytest.fixture(scope="module")
@@ -98,7 +98,7 @@ def map_of(folder: Path) -> dict[str, str]:
 
 
 def test_the_files_are_those_that_a_model_is_made_of(folder, model, embedded):
-    CLIPModel(model.config).half().save_pretrained(folder, variant="fp16")  # other numbers
+    transformers.CLIPModel(model.config).half().save_pretrained(folder, variant="fp16")  # other numbers
     assert files_of(folder) == ("config.json", "merges.txt", WEIGHTS, "vocab.json")
     assert (embedded(folder) > 1 - 1e-6).all()
 
@@ -137,7 +137,7 @@ def merging(folder: Path) -> dict[str, int]:
 @pytest.mark.parametrize("how", ["vocabulary and merges", "tokenizer.json", "merges as pairs", "merges as words", "windows", "both"])
 def test_tokenizers_of_all_versions_give_the_numbers_that_transformers_gives(folder, how):
     vocabulary = merging(folder)
-    theirs = CLIPTokenizer(vocabulary, MERGES)
+    theirs = transformers.CLIPTokenizer(vocabulary, MERGES)
     theirs.save_pretrained(folder)
     end = "\r\n" if how == "windows" else "\n"
     (folder / "vocab.json").write_text(json.dumps(vocabulary))
@@ -250,7 +250,7 @@ def test_whole_numbers_are_no_weights(folder):
 
 
 def test_a_tokenizer_of_another_kind_is_refused(folder):
-    CLIPTokenizer(json.loads((folder / "vocab.json").read_text()), []).save_pretrained(folder)
+    transformers.CLIPTokenizer(json.loads((folder / "vocab.json").read_text()), []).save_pretrained(folder)
     (folder / "merges.txt").unlink()
     edited(folder / "tokenizer.json", lambda saved: saved["model"].update(end_of_word_suffix=None))
     refused(folder, "tokenizer.json is damaged, .*CLIP's words end in")
