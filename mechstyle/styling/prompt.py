@@ -457,7 +457,7 @@ def suggestions(prompt: str, count: int = SUGGESTED) -> tuple[str, ...]:
     found, _ = words(prompt)
     near: list[list[str]] = []
     for word in found:
-        one = style_of(word) or english.weak().get(word.means)
+        one = style_of(word) or english.weak().get(word.means or word.text)
         hints = english.hints(word.text) if one or not word.means else ()
         near.append([*([one.style] if one else []), *hints])
     by_meaning = list(nearest(prompt))[:count]
