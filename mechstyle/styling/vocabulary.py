@@ -29,7 +29,20 @@ from typing import NamedTuple
 from mechstyle.records.regions import ENDS
 from mechstyle.styling import picture
 
-LANGUAGES = ("German", "French", "Spanish", "Portuguese", "Italian", "Chinese", "Japanese", "Dutch", "Polish", "Russian", "Turkish", "Korean")
+LANGUAGES = (
+    "German",
+    "French",
+    "Spanish",
+    "Portuguese",
+    "Italian",
+    "Chinese",
+    "Japanese",
+    "Dutch",
+    "Polish",
+    "Russian",
+    "Turkish",
+    "Korean",
+)
 """The columns of `words.tsv` after the English words."""
 SPACED = tuple(language for language in LANGUAGES if language not in {"Chinese", "Japanese"})
 """Those that write spaces between words."""

@@ -11,7 +11,7 @@ from functools import cache
 from typing import NamedTuple
 
 from mechstyle.styling import vocabulary as english
-from mechstyle.styling.vocabulary import LANGUAGES, SPACED, meanings, styles, weak, words_of
+from mechstyle.styling.vocabulary import SPACED, meanings, styles, weak, words_of
 
 MARKS = {":": ":", ";": ";", "\n": ";", "&": "and", "+": "and", "/": "and", **dict.fromkeys(",.、。()–—", ",")}
 """Punctuation that means something; the other has no meaning."""
@@ -32,7 +32,9 @@ _INFLECTION = {
     "Turkish": re.compile("(?:lar|ler)?(?:[ıiuü]|s[ıiuü]|[ıiuü]n|n[ıiuü]n|l[ıiuü]|d[ae]n?|t[ae]n?|y?[ae])?$"),
     "Korean": re.compile("(?:으로|[의로을를이가은는와과에도])$"),
     "Polish": re.compile("(?:owego|owymi|owych|owym|owej|owa|owe|owy|ami|ach|ego|emu|ymi|imi|ych|ich|ej|ym|im|om|ów|ie|ą|ę|a|e|i|o|u|y)$"),
-    "Russian": re.compile("(?:ами|ями|ого|его|ому|ему|ыми|ими|ая|яя|ое|ее|ые|ие|ый|ий|ой|ую|юю|ых|их|ым|им|ом|ем|ам|ям|ах|ях|ов|ев|ей|[аеиоуыьюя])$"),
+    "Russian": re.compile(
+        "(?:ами|ями|ого|его|ому|ему|ыми|ими|ая|яя|ое|ее|ые|ие|ый|ий|ой|ую|юю|ых|их|ым|им|ом|ем|ам|ям|ах|ях|ов|ев|ей|[аеиоуыьюя])$"
+    ),
 } | dict.fromkeys(("French", "Spanish", "Portuguese", "Italian"), re.compile("(?:[aeio]?s?|x)$"))
 _ABROAD = re.compile(
     r"\b(?:och|og|på|av|uden|utan|för|mellan|eller|uten|și|pentru|din|fără|jako|és|nélkül|egy|untuk|dengan|seperti|tanpa|yang|với)\b"
@@ -232,7 +234,7 @@ def _known(word: str, language: str) -> str:
 
 def language_of(tokens: Sequence[str]) -> str:
     """The language, "" for English, that knows most of the words, and most of them as they are written; English if that is as likely."""
-    western = [token for token in tokens if token.isalpha() and not _is_eastern(token)]
+    western = [token for token in tokens if token.isalpha() and not _is_eastern(token) and token not in english.MILLIMETRES]
     return max(("", *SPACED), key=lambda language: _covered(western, language))
 
 
