@@ -421,7 +421,7 @@ def _unknown_prompt(prompt: str, found: Sequence[Word], unwanted: Sequence[Item]
     said = "no style that can be drawn offline" if not colour else "only a colour and no style"
     listed = "; `mechstyle styles` lists them all"
     if not any(word.means or word.text in english.english() for word in found):
-        said, listed = f"no style in English, {', '.join(english.LANGUAGES[:-1])} or {english.LANGUAGES[-1]}", ""
+        said, listed = f"no style in English or one of {len(english.LANGUAGES)} other languages", ""
     if unwanted:
         said = f"no style that is wanted, only what is not ({quoted(_spoken(meaning(item)) for item in unwanted)})"
     ways = ", ".join(f"`{colour} {name}`" if colour else repr(name) for name in near)
@@ -457,7 +457,7 @@ def suggestions(prompt: str, count: int = SUGGESTED) -> tuple[str, ...]:
     found, _ = words(prompt)
     near: list[list[str]] = []
     for word in found:
-        one = style_of(word) or english.weak().get(word.means)
+        one = style_of(word) or english.weak().get(word.means or word.text)
         hints = english.hints(word.text) if one or not word.means else ()
         near.append([*([one.style] if one else []), *hints])
     by_meaning = list(nearest(prompt))[:count]

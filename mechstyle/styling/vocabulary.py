@@ -1,4 +1,4 @@
-"""What the words of a prompt mean: `words.tsv`, an idea a row in eight languages, and `english.tsv`, what English words come near.
+"""What the words of a prompt mean: `words.tsv`, an idea a row in thirteen languages, and `english.tsv`, what English words come near.
 
 A row of `words.tsv` has a kind, a value and the words for it; the first English one stands for them all. "_" joins words that mean it only
 next to each other, "+" those that do so in any order. The kinds of rows and their values:
@@ -29,8 +29,23 @@ from typing import NamedTuple
 from mechstyle.records.regions import ENDS
 from mechstyle.styling import picture
 
-LANGUAGES = ("German", "French", "Spanish", "Portuguese", "Italian", "Chinese", "Japanese")
+LANGUAGES = (
+    "German",
+    "French",
+    "Spanish",
+    "Portuguese",
+    "Italian",
+    "Chinese",
+    "Japanese",
+    "Dutch",
+    "Polish",
+    "Russian",
+    "Turkish",
+    "Korean",
+)
 """The columns of `words.tsv` after the English words."""
+SPACED = tuple(language for language in LANGUAGES if language not in {"Chinese", "Japanese"})
+"""Those that write spaces between words."""
 PICTURE = "own picture"
 """What stands for a picture of the user's where there is one; no word of a prompt has a space."""
 _STYLES = ("style", "describes", "like", "thing", "mood", "last")  # kinds of rows, strongest first

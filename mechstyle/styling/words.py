@@ -11,7 +11,7 @@ from functools import cache
 from typing import NamedTuple
 
 from mechstyle.styling import vocabulary as english
-from mechstyle.styling.vocabulary import LANGUAGES, meanings, styles, weak, words_of
+from mechstyle.styling.vocabulary import SPACED, meanings, styles, weak, words_of
 
 MARKS = {":": ":", ";": ";", "\n": ";", "&": "and", "+": "and", "/": "and", **dict.fromkeys(",.、。()–—", ",")}
 """Punctuation that means something; the other has no meaning."""
@@ -26,15 +26,25 @@ _MADE = (("er", ""), ("or", ""))  # what does something
 _INFLECTED = 8  # so many of them only say number and time
 _COMPARED = ("er", "est")  # rougher is rough, but a bagger is no bag
 _PLURALS = ("ies", "es", "s", "ed")
-_INFLECTION = {"German": re.compile("(?:en|er|es|em|e|n|s)$")} | dict.fromkeys(LANGUAGES[1:5], re.compile("(?:[aeio]?s?|x)$"))
+_INFLECTION = {
+    "German": re.compile("(?:en|er|es|em|e|n|s)$"),
+    "Dutch": re.compile("(?:tjes|tje|en|es|er|e|n|s)$"),
+    "Turkish": re.compile("(?:lar|ler)?(?:[ıiuü]|s[ıiuü]|[ıiuü]n|n[ıiuü]n|l[ıiuü]|d[ae]n?|t[ae]n?|y?[ae])?$"),
+    "Korean": re.compile("(?:으로|[의로을를이가은는와과에도])$"),
+    "Polish": re.compile("(?:owego|owymi|owych|owym|owej|owa|owe|owy|ami|ach|ego|emu|ymi|imi|ych|ich|ej|ym|im|om|ów|ie|ą|ę|a|e|i|o|u|y)$"),
+    "Russian": re.compile(
+        "(?:ами|ями|ого|его|ому|ему|ыми|ими|ая|яя|ое|ее|ые|ие|ый|ий|ой|ую|юю|ых|их|ым|им|ом|ем|ам|ям|ах|ях|ов|ев|ей|[аеиоуыьюя])$"
+    ),
+} | dict.fromkeys(("French", "Spanish", "Portuguese", "Italian"), re.compile("(?:[aeio]?s?|x)$"))
 _ABROAD = re.compile(
-    r"\b(?:het|een|voor|met|uit|mijn|zonder|behalve|zoals|naar|tussen|geen|dla|jak|bez|oprócz|moja|mój|moje|ze|nad|przez|ve|için|gibi|ile|bir|"
-    r"hariç|och|og|på|av|uden|utan|för|mellan|eller|uten|și|pentru|din|fără|jako|és|nélkül|egy|untuk|dengan|seperti|tanpa|yang|với)\b"
+    r"\b(?:och|og|på|av|uden|utan|för|mellan|eller|uten|și|pentru|din|fără|jako|és|nélkül|egy|untuk|dengan|seperti|tanpa|yang|với)\b"
 )
 """Small words of languages that no table has."""
-_LETTERS = frozenset("abcdefghijklmnopqrstuvwxyzàâäæáãçéèêëíìîïñóòôöõœúùûüÿßªº")
-"""Letters of the languages of the tables."""
+_LETTERS = frozenset("abcdefghijklmnopqrstuvwxyzàâäæáãçéèêëíìîïñóòôöõœúùûüÿßªºąćęłńśźżğışабвгдежзийклмнопрстуфхцчшщъыьэюя")
+"""Letters of the languages of the tables, Korean aside."""
+_HANGUL = re.compile("[가-힣]")
 _LEAST_STEM = 3
+_LEAST_STEMS = {"Dutch": 4, "Polish": 4, "Russian": 4, "Turkish": 4, "Korean": 1}  # those of three letters are everybody's: sera is evening
 _LEAST_STYLE = 4
 _LONGEST_PHRASE = 4  # words
 _LONG, _SLIPS = 8, 2  # letters from which on so many slips are forgiven
@@ -77,7 +87,7 @@ def abroad(prompt: str) -> bool:
     """Whether a prompt is in a language that no table has, as its letters or small words say: in it a plaster may be honeycomb."""
     typed = _typed(prompt)
     words = re.findall(r"[^\W\d_]{2,}", typed)
-    return _ABROAD.search(typed) is not None or any(set(word) - _LETTERS and not _is_eastern(word) for word in words)
+    return _ABROAD.search(typed) is not None or any(set(_HANGUL.sub("", word)) - _LETTERS and not _is_eastern(word) for word in words)
 
 
 def quoted(texts: Iterable[str]) -> str:
@@ -86,8 +96,9 @@ def quoted(texts: Iterable[str]) -> str:
 
 
 def _bare(text: str) -> str:
-    """The text without accents."""
-    return "".join(sign for sign in unicodedata.normalize("NFKD", text) if not "\u0300" <= sign <= "\u036f")
+    """The text without accents; й is no и."""
+    signs = (sign for sign in unicodedata.normalize("NFKD", text.replace("ł", "l")) if sign == "\u0306" or not "\u0300" <= sign <= "\u036f")
+    return unicodedata.normalize("NFC", "".join(signs))
 
 
 def _typed(text: str) -> str:
@@ -96,7 +107,7 @@ def _typed(text: str) -> str:
     plain = re.sub(r"(?<![\d.])(\d+)/([1-9]\d*)(?=\s*(?:in\b|inch|[\"″]))", lambda of: f"{int(of[1]) / int(of[2]):g}", plain)  # 1/4 inch
     plain = re.sub(r"(?<=\d)(?:in\b|\s*[\"″])", " inch", plain)  # 2in: two words would be "2", "inside"
     plain = re.sub(r"(?<=\d),(?=\d+\s*(?:mm|cm|milli|centi|毫米|ミリ))", ".", plain)  # a decimal comma
-    return re.sub(r"[- ]ish\b", "", plain).replace("・", "")
+    return re.sub(r"[- ]ish\b", "", plain).replace("・", "").replace("ё", "е")
 
 
 def _joined(typed: str) -> str:
@@ -104,10 +115,17 @@ def _joined(typed: str) -> str:
 
     def one(found: re.Match[str]) -> str:
         parts = found[0].split("-")
-        strange = (part for part in parts if not _english(part) and not any(_known(part, language) for language in ("", *LANGUAGES[:5])))
+        words = (part for part in parts if not _english(part) and part not in _in_phrases())
+        strange = (part for part in words if not any(_known(part, language) for language in ("", *SPACED)))
         return "".join(parts) if len(parts[0]) == 1 or any(strange) else found[0]
 
     return re.sub(rf"[^\W\d_{_EAST}]+(?:-[^\W\d_{_EAST}]+)+", one, typed)
+
+
+@cache
+def _in_phrases() -> frozenset[str]:
+    """The words of all phrases: Saint-Jacques."""
+    return frozenset(part for language in SPACED for word in words_of(language) for part in _typed(word).split("_") if "_" in word)
 
 
 def _is_eastern(token: str) -> bool:
@@ -146,7 +164,7 @@ def _next_word(tokens: list[str], language: str) -> tuple[int, list[str], str]:
     if Word(first, "").number is not None:
         return 1, [first], ""
     count, found = max((_phrase(tokens, one) for one in dict.fromkeys([language, ""])), key=lambda phrase: phrase[0])
-    if count:
+    if count and not (language and count == 1 and found in weak() and first not in _dictionary(language)):
         return count, [found], ""
     means, guess = _unlisted(first, language)
     return 1, means, guess
@@ -183,7 +201,9 @@ def _accented_stems(language: str) -> Mapping[str, str]:
 def _stem(word: str, language: str) -> str:
     """The word without the ending that number, gender and case give it; as it is if too little would be left."""
     stem = _INFLECTION[language].sub("", word)
-    return stem if len(stem) >= _LEAST_STEM else word
+    if language == "Dutch" and stem != word and stem[-2:-1] == stem[-1:]:
+        stem = stem[:-1]  # vissen
+    return stem if len(stem) >= _LEAST_STEMS.get(language, _LEAST_STEM) - (language == "Dutch") else word
 
 
 def _forms(word: str, endings: Sequence[tuple[str, str]] = _ENDINGS) -> Iterator[str]:
@@ -214,8 +234,8 @@ def _known(word: str, language: str) -> str:
 
 def language_of(tokens: Sequence[str]) -> str:
     """The language, "" for English, that knows most of the words, and most of them as they are written; English if that is as likely."""
-    western = [token for token in tokens if token.isalpha() and not _is_eastern(token)]
-    return max(("", *LANGUAGES[:5]), key=lambda language: _covered(western, language))
+    western = [token for token in tokens if token.isalpha() and not _is_eastern(token) and token not in english.MILLIMETRES]
+    return max(("", *SPACED), key=lambda language: _covered(western, language))
 
 
 def _covered(tokens: Sequence[str], language: str) -> tuple[float, int, int]:
@@ -250,12 +270,10 @@ def _unlisted(word: str, language: str) -> tuple[list[str], str]:
     """What a word means that no dictionary lists as it is, and a note if that was guessed: inflected, foreign, compound, misspelt."""
     if word != (bare := _bare(word)):
         return _unlisted_accented(word, bare, language)
-    found = _known(word, language) or _known(word, "")
-    if found:
+    if found := _known(word, language) or (_known(word, "") if not language or _known(word, "") not in weak() else ""):
         return [found], ""
-    common = _english(word)
-    if common and (not language or common in weak()):  # a word of its own is no slip of another
-        return [common if common in weak() else ""], ""
+    if common := _english(word):  # a word of its own is no slip of another; in another language an English thing is offered, not taken
+        return [common if common in weak() and not language else ""], ""
     seen = {
         *styles(),
         *weak(),
@@ -264,8 +282,8 @@ def _unlisted(word: str, language: str) -> tuple[list[str], str]:
         *english.AMOUNTS,
         *english.PLACES,
     }  # filling words of another language are often words of this one
-    foreign = next((means for other in LANGUAGES[:5] if (means := _dictionary(other).get(word, "")) in seen), "")
-    if foreign:
+    foreign = next((means for other in SPACED if (means := _dictionary(other).get(word, "")) in seen), "")
+    if foreign and len(word) >= _LEAST_STYLE:
         return [foreign], f"read {word!r} as {foreign!r}"
     parts = _compound(word, language)
     if parts:
@@ -276,19 +294,19 @@ def _unlisted(word: str, language: str) -> tuple[list[str], str]:
 
 def _unlisted_accented(word: str, bare: str, language: str) -> tuple[list[str], str]:
     """Likewise of a word with accents, which is no word of English: für is no fur. Another language must have it with those accents."""
-    foreign = next((means for other in LANGUAGES[:5] if (means := _dictionary(other).get(word, ""))), "")
+    foreign = next((means for other in SPACED if (means := _dictionary(other).get(word, ""))), "")
     if foreign:
         return [foreign], ""
     if not language:
-        return [_known(bare, "") if not any(bare in _dictionary(other) for other in LANGUAGES[:5]) else ""], ""  # crochêt
+        return [_known(bare, "") if not any(bare in _dictionary(other) for other in SPACED) else ""], ""  # crochêt
     stem = _stem(word, language)
     known = _dictionary(language).get(stem) or _accented_stems(language).get(_bare(stem), "")
     return ([known], "") if known else (_compound(word, language) or [""], "")
 
 
 def _compound(word: str, language: str) -> list[str]:
-    """The meanings of the two words that are written as one in German ("dunkelblau"); none if it is not of two."""
-    if language != "German":
+    """The meanings of the two words that are written as one in German and Dutch ("dunkelblau"); none if it is not of two."""
+    if language not in {"German", "Dutch"}:
         return []
     for cut in range(len(word) - _LEAST_STEM, _LEAST_STEM - 1, -1):
         parts = [_known(word[:cut], language), _known(word[cut:], language)]
@@ -299,15 +317,14 @@ def _compound(word: str, language: str) -> list[str]:
 
 
 def _begun(word: str) -> str:
-    """The style or thing with which a longer word begins, in German or English: Schuppenpanzer, Holzkiste; "" if it is none.
+    """The style or thing with which a longer German word begins: Schuppenpanzer, Holzkiste; "" if it is none.
 
-    Of two English words the second is what it is: a hammerhead is no hammer.
+    An English word begins no German one: dentelle is no dent. Of two English words the second is what it is: a hammerhead is no hammer.
     """
     if _of_two(word):
         return ""
-    starts = [word[:cut] for cut in range(len(word) - _LEAST_STEM, _LEAST_STYLE - 1, -1)]
-    known = (means for start in starts for language in ("", "German") if (means := _dictionary(language).get(start, "")))
-    return next((means for means in known if means in styles() or means in weak()), "")
+    starts = (_dictionary("German").get(word[:cut], "") for cut in range(len(word) - _LEAST_STEM, _LEAST_STYLE - 1, -1))
+    return next((means for means in starts if means in styles() or means in weak()), "")
 
 
 def _of_two(word: str) -> bool:

@@ -1,6 +1,6 @@
 """Files and command lines as nobody should write them.
 
-`python -m support.hostile FOLDER SEED COUNT` tries that many cases and prints what came of them as JSON.
+`python -m support.hostile FOLDER FIRST COUNT` tries that many cases from a number on and prints what came of them as JSON.
 Each case is one seeded change of something sound: bytes flipped, cut out, doubled or swapped, numbers made huge, names made into paths,
 records pointed
 at the wrong thing, packages that unpack to gigabytes. What reads them may answer, or refuse in one sentence; it may not crash, hang,
@@ -526,13 +526,13 @@ def _fullest() -> int:
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
 
 
-def main(folder: Path, seed: int, count: int) -> dict[str, object]:
+def main(folder: Path, first: int, count: int) -> dict[str, object]:
     """Try cases of all kinds in turn; a crash of the process ends it after the name of the case was printed to stderr."""
     folder.mkdir(parents=True, exist_ok=True)
     counts, wrong, begun = Counter[str](), list[str](), time.process_time()
     names = list(KINDS)
     _ = _bomb(sound("part.3mf")), _packed_zeros()  # what makes cases is no case
-    for number in range(seed * count, (seed + 1) * count):
+    for number in range(first, first + count):
         kind = names[number % len(names)]
         sys.stderr.write(f"{CASE}{kind} {number}\n")
         outcome = tried(kind, number, folder)
