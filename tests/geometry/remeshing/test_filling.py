@@ -7,6 +7,7 @@ import shutil
 import stat
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -206,6 +207,21 @@ def test_a_fault_sharpens_the_tolerances(cup, monkeypatch):
     assert [sharpness for _, sharpness in asked] == [1.0, 0.5, 0.25]
 
 
+def test_a_fault_lets_the_surface_have_finer_triangles(cup, cup_tets, monkeypatch):
+    """A drawer organiser, large and thin, was refused: 8000 triangles missed its corners three times."""
+    given = []
+
+    def noted(_, faces, *_settings, **__):
+        given.append(len(faces))
+        return cup_tets.vertices, cup_tets.tets
+
+    monkeypatch.setattr(module, "tetwild", noted)
+    monkeypatch.setattr(module, "TOL", replace(TOL, finest_input=200, loose=1e-4))  # so that the bound decides, not the deviation
+    for sharpness in (1.0, 0.25):
+        module._attempt(cup, 600.0, sharpness, 300.0, module.never_cancel, keep=None)
+    assert given[1] > 1.5 * given[0]
+
+
 def test_faults_to_the_end_are_a_failure_that_names_the_last(cup, monkeypatch):
     with pytest.raises(SimulationFailed, match=r"a detail is missing; its walls are 2\.9 mm thick"):
         counts_of(monkeypatch, cup, (1000, "x"), (1000, "y"), (1000, "a detail is missing"))
@@ -352,9 +368,10 @@ def test_even_triangles_are_no_finer_than_those_that_come_even():
     """Thin walls would have them finer than the surface, which is nearer to itself than anything else."""
     ball = trimesh.creation.icosphere(subdivisions=3, radius=20.0)
     surface = SurfaceMesh(ball.vertices, ball.faces)
-    own = module._filled_as(surface, 1500.0, 1e-3, 2.0, never_cancel)
+    finest = module.even_edge(surface, TOL.finest_input)
+    own = module._filled_as(surface, 1500.0, finest, 1e-3, 2.0, never_cancel)
     assert len(own.faces) == len(surface.faces)
-    coarser = module._filled_as(surface, 1500.0, 1.0, 2.0, never_cancel)
+    coarser = module._filled_as(surface, 1500.0, finest, 1.0, 2.0, never_cancel)
     assert len(coarser.faces) < len(surface.faces)
 
 
