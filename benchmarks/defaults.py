@@ -103,7 +103,7 @@ def given_up(rows: Sequence[Row]) -> Iterator[str]:
         if row.arm == "finish-first" and not (row.passes and row.sure and row.kept >= WORTH_TELLING):
             bent = "" if row.permanent_set is None else f", {row.permanent_set:.2f} of {row.allowed:.2f} mm, {row.decides}"
             words = f"{row.part.replace('_', ' ')} in {row.prompt}, {row.condition}, {row.vertices} vertices"
-            yield f"* {words}: {row.outcome}{'' if row.sure else ' (not sure)'}{bent}, keeps {row.kept:.2f}. {row.doubt}".rstrip()
+            yield f"* {words}: {row.outcome}{'' if row.sure else ' (not sure)'}{bent}, keeps {row.kept:.2f}."
 
 
 def page(rows: Sequence[Row], machine: str) -> str:

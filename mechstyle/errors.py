@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import inspect
+import unicodedata
 from collections.abc import Callable, Iterable
 from typing import Any
 
@@ -18,6 +19,10 @@ class MechStyleError(Exception):
         ...     print(error)
         no-such-part.stl does not exist in ...; check the path
     """
+
+    def __str__(self) -> str:
+        """One line, whatever a name in it holds."""
+        return "".join(repr(one)[1:-1] if unicodedata.category(one) in ("Cc", "Zl", "Zp") else one for one in super().__str__())
 
     def _render_traceback_(self) -> list[str]:
         """What a notebook shows: the sentence alone, as the place in our code helps nobody."""

@@ -2,6 +2,7 @@
 
 import pytest
 
+import mechstyle as ms
 from mechstyle import errors
 from mechstyle.errors import BadInput, MechStyleError, unknown
 
@@ -41,3 +42,9 @@ def test_unknown_lists_each_name_once():
     names = [f"style{k}" for k in range(8)]
     message = str(unknown("style", "style9", names))
     assert all(message.split("known are ")[1].count(name) == 1 for name in names)
+
+
+def test_a_sentence_is_one_line_whatever_the_path_in_it_holds(tmp_path):
+    with pytest.raises(BadInput, match=r"a\\nb/part\.stl does not exist; check the path") as refused:
+        ms.load(tmp_path / "a\nb" / "part.stl")
+    assert str(refused.value).isprintable()
