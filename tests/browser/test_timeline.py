@@ -33,9 +33,6 @@ ipywidgets.VBox([viewer, timeline])
 
 
 def click(shown, row, x, y):
-    """Go there first: the line that says what is under the mouse may move the chart."""
-    shown.page.mouse.move(*shown.page.evaluate(PLACE, [row, x, y]))
-    shown.pixels(shown.page.locator(".mechstyle-timeline"))
     shown.page.mouse.click(*shown.page.evaluate(PLACE, [row, x, y]))
 
 
