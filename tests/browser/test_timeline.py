@@ -33,7 +33,11 @@ ipywidgets.VBox([viewer, timeline])
 
 
 def click(shown, row, x, y):
+    """Go there first and away afterwards: the line that says what is under the mouse may move the chart."""
+    shown.page.mouse.move(*shown.page.evaluate(PLACE, [row, x, y]))
+    shown.pixels(shown.page.locator(".mechstyle-timeline"))
     shown.page.mouse.click(*shown.page.evaluate(PLACE, [row, x, y]))
+    shown.page.mouse.move(1.0, 1.0)
 
 
 def where(shown):
