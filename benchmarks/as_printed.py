@@ -100,9 +100,12 @@ def table(found: Kept) -> Iterable[str]:
 
         def cell(name: str, prefix: str = "", of: dict[str, Measured] = of) -> str:
             both = [of.get(f"{prefix}{kind}") for kind in PRINTS]
-            return "–" if None in both else " → ".join(f"{getattr(one, name):.{1 if name == 'mass' else 2}f}" for one in both if one)
+            if None in both:
+                return "–"
+            figures = (f"{getattr(one, name):.{1 if name == 'mass' else 2}f}" for one in both if one)
+            return f"{' → '.join(figures)} {'g' if name == 'mass' else 'mm'}"
 
-        yield f"| {part.replace('_', ' ')} | {cell('mass')} g | {cell('flat')} mm | {cell('tilted')} mm | {cell('tilted', BRICK + ' ')} |"
+        yield f"| {part.replace('_', ' ')} | {cell('mass')} | {cell('flat')} | {cell('tilted')} | {cell('tilted', BRICK + ' ')} |"
 
 
 def main() -> None:

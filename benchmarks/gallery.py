@@ -44,22 +44,18 @@ ABOUT = """\
 Made by `python benchmarks/gallery.py`, for solid PLA, a fall of 1.5 m and a tolerance of 0.2 mm. *Flat* and *nearly flat* are what stays
 bent of the plain part, *strain* its most plastic strain in tension, *carries* how many times its load. Rows of 3000 vertices were
 dropped on a GPU by `python benchmarks/as_printed.py`, without load; they have about as many tetrahedra."""
-NOT_YET = """\
-Made by `python benchmarks/gallery.py`, which measures what stays bent of each after a fall of 1.5 m and under its load. By this measure
-they have not been measured at full size yet."""
 COLUMNS = (
     "model", "outcome", "flat", "nearly flat", "strain", "load", "stays bent", "carries", "what it teaches", "`--protect`", "vertices",
     "tetrahedra",
 )  # fmt: skip
 """What was found stands first, where it is in sight."""
-UNMEASURED = ("model", "what it teaches", "load", "`--protect`")
 
 
 class Measured(msgspec.Struct):
-    """Result of a model: what stays bent [mm], plastic strain, times its load, outcome and size of the test; 0 tetrahedra are unknown."""
+    """Result of a model: what stays bent [mm], plastic strain, times its load, outcome and size of the test, None if unknown."""
 
     vertices: int
-    tetrahedra: int
+    tetrahedra: int | None
     flat: float | None
     nearly_flat: float | None
     strain: float
@@ -82,8 +78,7 @@ def measure(name: str, vertices: int, device: str) -> Measured:
 
 def page(known: dict[str, Measured]) -> str:
     """The page with what is known."""
-    columns = COLUMNS if known else UNMEASURED
-    lines = [f"| {' | '.join(columns)} |\n", f"|{'---|' * len(columns)}\n"]
+    lines = [f"| {' | '.join(COLUMNS)} |\n", f"|{'---|' * len(COLUMNS)}\n"]
     for name in gallery.names():
         entry, one = gallery.entry(name), known.get(name)
         protect, use = ", ".join(f"`{region}`" for region in entry.protect), entry.use.name if entry.use else "–"
@@ -93,10 +88,9 @@ def page(known: dict[str, Measured]) -> str:
             carries = "–" if one.carries is None else f"{one.carries:.1f} ×"
             cells |= {"outcome": one.outcome, "flat": flat, "nearly flat": nearly, "strain": f"{one.strain:.1%}", "stays bent": loaded}
             cells |= {"carries": carries, "vertices": str(one.vertices), "tetrahedra": str(one.tetrahedra or "–")}
-        lines.append(f"| {' | '.join(cells.get(column, '–') for column in columns)} |\n")
+        lines.append(f"| {' | '.join(cells.get(column, '–') for column in COLUMNS)} |\n")
     holds = sum(one.outcome == "HOLDS" for one in known.values())
-    counted = f"\n{holds} of {len(known)} hold.\n" if known else ""
-    return f"{HEAD.format(about=ABOUT if known else NOT_YET)}{''.join(lines)}{counted}"
+    return f"{HEAD.format(about=ABOUT)}{''.join(lines)}\n{holds} of {len(known)} hold.\n"
 
 
 def main() -> None:

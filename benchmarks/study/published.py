@@ -169,7 +169,8 @@ def main(folder: Path, table: Path) -> None:
         for name, own in rows.items():
             write_table(own, table.with_name(f"{table.stem}-{name}"))
     else:
-        rows = {name: msgspec.json.decode(table.with_name(f"{table.stem}-{name}.json").read_bytes(), type=list[Row]) for name in PARTS}
+        tables = {name: table.with_name(f"{table.stem}-{name}.json") for name in PARTS}  # of what was run
+        rows = {name: msgspec.json.decode(one.read_bytes(), type=list[Row]) for name, one in tables.items() if one.is_file()}
     print("\n".join(page(rows)))
 
 

@@ -27,7 +27,7 @@ import nbformat
 import numpy as np
 import pytest
 from PIL import Image
-from playwright.sync_api import Browser, BrowserContext, Locator, Page, sync_playwright
+from playwright.sync_api import Browser, BrowserContext, Error, Locator, Page, sync_playwright
 
 from mechstyle.gallery import names
 from mechstyle.runs.run import Run, stylize
@@ -139,9 +139,14 @@ class Notebook:
         return self.page.locator(".mechstyle-viewer canvas").nth(number)
 
     def pixels(self, what: Locator) -> np.ndarray:
-        """What a part of the page looks like, shape [height, width, 3], uint8."""
-        self.page.evaluate(SETTLED)
-        return np.asarray(Image.open(io.BytesIO(what.screenshot(animations="disabled"))).convert("RGB"))
+        """What a part of the page looks like, shape [height, width, 3], uint8; where it is made anew meanwhile, the new one."""
+        while True:
+            self.page.evaluate(SETTLED)
+            try:
+                return np.asarray(Image.open(io.BytesIO(what.screenshot(animations="disabled"))).convert("RGB"))
+            except Error as error:
+                if "not attached to the DOM" not in error.message:
+                    raise
 
     def difference(self, one: np.ndarray, other: np.ndarray) -> float:
         """Share of the pixels of two pictures that differ visibly."""
