@@ -18,12 +18,13 @@ def outcomes(html: str) -> set[str]:
 def assert_tells_one_truth(studio: Any) -> None:
     """Badge, Result, pictures and tooltips say of the surface that is drawn what its own test found, or that it had none."""
     state, viewer, shown = studio.state, studio.viewer, on_show(studio.state)
-    own = state.run.store.checkpoint(state.row().digest).verdict
-    assert shown.verdict == own
-    assert viewer._drawn_place == (state.lane, state.iteration)
-    assert viewer.captions[0] == shown.caption
-    assert all(button.tooltip.endswith(shown.caption) for button in studio.take_away._buttons.values())
+    own, place = state.run.store.checkpoint(state.row().digest).verdict, (state.lane, state.iteration)
+    assert shown.verdict == own, f"{shown.verdict} is not {own}"  # said in words for a kernel, where nobody rewrites assertions
+    assert viewer._drawn_place == place, f"{viewer._drawn_place} is drawn, not {place}"
+    assert viewer.captions[0] == shown.caption, f"{viewer.captions[0]!r} is the caption of {shown.caption!r}"
+    tooltips = [button.tooltip for button in studio.take_away._buttons.values()]
+    assert all(one.endswith(shown.caption) for one in tooltips), f"{tooltips} tell of {shown.caption!r}"
     own_words = {sentences.NOT_TESTED if own is None else own.outcome}
-    assert outcomes(studio._result.value) == own_words
+    assert outcomes(studio._result.value) == own_words, f"{studio._result.value!r} tells of {own_words}"
     if not (viewer.insight and viewer.compared):
-        assert outcomes(viewer.badge._words.value) == own_words
+        assert outcomes(viewer.badge._words.value) == own_words, f"{viewer.badge._words.value!r} tells of {own_words}"

@@ -129,6 +129,7 @@ def test_an_unknown_setting_is_refused_in_one_line_with_what_to_do(name, cure):
         ({"theme": "blue"}, "theme must be one of ['auto', 'light', 'dark'], not 'blue'"),
         ({"filled": "yes"}, "filled must be True or False, not 'yes'"),
         ({"prompt": 5}, "prompt must be text, not 5"),
+        ({"language": 5}, "unknown language '5': known are de, en"),
         ({"scale": "big"}, "scale is 'big', but must be a positive number, such as 25.4 for inches"),
     ],
 )

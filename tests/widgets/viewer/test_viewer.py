@@ -372,6 +372,14 @@ def test_fifty_viewers_opened_and_closed_leave_nothing_behind(cube):
     viewer.close()
 
 
+def test_a_closed_viewer_draws_nothing_whatever_it_still_hears(cube):
+    """It made renderers anew from what was closed, which failed, and what it had made stayed in the kernel."""
+    before, viewer = alive(), Viewer(cube, original=Subject(cube))
+    viewer.close()
+    viewer.beside, viewer.probed = True, 3
+    assert alive() == before
+
+
 def test_closing_one_viewer_leaves_the_other(painted, height):
     kept, gone = Viewer(painted, [height]), Viewer(painted, [height])
     gone.close()

@@ -21,7 +21,7 @@ _spoken = ["en"]
 def speak(language: str) -> None:
     """Let everything that is made from now on be called by its names in a language, `en` or `de`."""
     if language not in LANGUAGES:
-        raise unknown("language", language, LANGUAGES)
+        raise unknown("language", str(language), LANGUAGES)
     _spoken[0] = language
 
 

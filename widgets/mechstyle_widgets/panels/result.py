@@ -40,7 +40,8 @@ class Result(Words):
             items = "".join(f"<li>{escape(said(step))}</li>" for step in steps(self._state.settings))
             self.say(f"<b>{escape(word('What will happen'))}</b><ol>{items}</ol>")
             return
-        head = word("Last run: {}").format(shown.title) if self._state.another else word("Result")
+        which = "This run: {}" if self._state.busy else "Last run: {}"  # as the badge has it
+        head = word(which).format(shown.title) if self._state.another else word("Result")
         lanes = list(self._judged())
         judged, doubt = of_show(shown)
         more = f"{judged}{table(LANES, lanes) if lanes else ''}{self._notes()}"
@@ -65,8 +66,8 @@ class Result(Words):
         run, shown = self._state.run, on_show(self._state)
         if run is None or shown is None or shown.kept is None:
             return ""
-        little = on_little(run.summary.notes)
-        items = "".join(f"<li>{escape(said(note))}</li>" for note in run.summary.notes if note != little)
+        notes = run.summary.notes
+        items = "".join(f"<li>{escape(said(note))}</li>" for note in notes if note != on_little(notes))
         return f"<ul>{items}</ul>" if items else ""
 
     def _judged(self) -> Iterator[tuple[str, str, str]]:

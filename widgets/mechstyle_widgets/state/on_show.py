@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import lru_cache
 
 from mechstyle.errors import MechStyleError
+from mechstyle.loop.store import Lane, Store
 from mechstyle.records import Verdict, sentences
 from mechstyle.runs.run import Run
 from mechstyle_widgets.jupyter.language import said, word
@@ -82,6 +84,15 @@ def on_show(state: StudioState, lane: str = "", iteration: int | None = None) ->
 
 def share_kept(run: Run) -> float | None:
     """Share of the relief that is left at the end of a lane, which its summary knows; None before the end."""
-    with suppress(MechStyleError):  # there is no summary before
+    store, lane = run.store, run.lane
+    with suppress(MechStyleError, OSError):  # there is no summary before
+        written = (store.root / "summaries" / f"{lane}.json").stat()
+        return _share_kept(store, lane, store.lane(lane), (written.st_mtime_ns, written.st_size))
+    with suppress(MechStyleError):
         return run.summary.kept
     return None
+
+
+@lru_cache(maxsize=64)
+def _share_kept(store: Store, name: str, _ends: Lane, _written: tuple[int, int]) -> float:
+    return Run(store, name).summary.kept  # which reads every checkpoint, and is asked for forty times while a Studio is made

@@ -242,6 +242,7 @@ class Viewer(Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipy
     def close(self) -> None:
         """Close the view and every widget it is made of; nothing stays behind in the kernel."""
         if self._built:
+            self.unobserve_all()  # or what it still hears of would be drawn, with renderers made anew that nobody closes
             self._refresh.cancel()
             self._list.close()
             close_family(self, self._table, *self._views)
