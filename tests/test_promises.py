@@ -94,6 +94,17 @@ def words_of(widget: object) -> str:
 # --- the verdict ----------------------------------------------------------------------------------------------------
 
 
+def test_what_holds_with_a_pattern_larger_than_asked_is_not_sure_of_the_same_part_with_more_vertices(run):
+    """Coarse bricks held where fine ones cracked: five of thirty parts, each sure of it."""
+    noted = [float(found[1]) for note in run.summary.notes if (found := re.search(r"enlarged ([\d.]+)x", note))]
+    assert noted
+    verdict = run.verdict
+    assert verdict.passes
+    assert not verdict.sure
+    assert f"the pattern is {max(noted):.1f} times larger than asked" in verdict.words
+    assert "larger" not in run.summary.plain.words, "the plain part has none"
+
+
 def test_what_a_finished_run_delivers_carries_its_verdict(run, folder):
     """“The part that was tested”: also a run whose relief was corrected, whichever correction it ends with."""
     assert run.finished

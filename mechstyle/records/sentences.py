@@ -130,6 +130,8 @@ def doubt(verdict: Verdict) -> str:
         side += "" if len(near) > 1 else "es" if verdict.passes else "s"
         reasons.append(f"{several} {side} more closely than the test repeats; another mesh may say otherwise")
     reasons += [f"{one.value:.0f} of {one.of} landings were not dropped, as it grows" for one in verdict.doubts if one.about == "landings"]
+    larger = (one.value for one in verdict.doubts if one.about == "pattern")
+    reasons += [f"the pattern is {times:.1f} times larger than asked; with more vertices the part may bend more" for times in larger]
     missed = list(filter(None, map(_missed, verdict.doubts)))
     if missed:
         reasons.append(f"{_listed(missed)}; a lower relief is followed more closely")

@@ -95,6 +95,9 @@ bends for good goes with the square of its thickness."""
 LEAST_GROUNDED = 0.9
 """Least share of what a styled surface has on the floor that tetrahedra must have there, too."""
 
+LIKE_ASKED = 1.1
+"""Times larger up to which a pattern counts as asked: meshes of one vertex count differ a little in the length of their edges."""
+
 VOLUME_ERROR = 0.03
 """Relative difference of volume from the surface's above which tetrahedra are not used, or leave a doubt."""
 
@@ -127,6 +130,7 @@ class Simulation:
         thicker: Share of what the relief leaves of a wall by which the tetrahedra are thicker; see `simulation.meshes`.
         grounded: Share of what the surface has on the floor that the tetrahedra have there, too.
         volume_error: Volume of the tetrahedra over that inside the surface, less 1; with or without relief, whichever is further off.
+        enlarged: Times larger than asked the pattern of its relief is, as the surface carries none so fine; 1 without any.
         volume: Volume of the tetrahedra [mm³].
         plastic_share: Share of it that is plastic, 1 for a solid part.
         mesh: Digest of the tetrahedra as they were made.
@@ -154,6 +158,7 @@ class Simulation:
     thicker: float = 0.0
     grounded: float = 1.0
     volume_error: float = 0.0
+    enlarged: float = 1.0
     volume: float = 0.0
     plastic_share: float = 1.0
     mesh: str = ""

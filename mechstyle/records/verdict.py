@@ -14,7 +14,7 @@ from msgspec.structs import replace
 
 from mechstyle.records import sentences
 from mechstyle.records.recipe import Recipe
-from mechstyle.records.simulation import LEAST_GROUNDED, THICKER, VOLUME_ERROR, Landing, LoadResult, Place, Simulation
+from mechstyle.records.simulation import LEAST_GROUNDED, LIKE_ASKED, THICKER, VOLUME_ERROR, Landing, LoadResult, Place, Simulation
 
 Outcome = Literal["HOLDS", "NO WORSE", "FAILS", "UNKNOWN"]
 Test = Literal["flat", "nearly flat", "any landing", "load", "published rule"]
@@ -119,14 +119,15 @@ class Doubt(msgspec.Struct, frozen=True, kw_only=True):
 
     Attributes:
         about: `limit`, a test closer to its limit than it repeats; `landings`, of which some were not dropped; `relief`, between
-            which the mesh is thicker; `base`, of which it has less on the floor; `volume`, which is another.
+            which the mesh is thicker; `base`, of which it has less on the floor; `volume`, which is another; `pattern`, which is larger
+            than asked, so that a finer surface has another relief.
         test, landing, load: The test and its landing or load, "" for all.
         value: Share used of what is allowed, number of landings left out, share of a wall by which the mesh is thicker, share of the
-            base that is on the floor, or relative error of volume.
+            base that is on the floor, relative error of volume, or times that the pattern is larger.
         of: Of `landings`, how many were asked for.
     """
 
-    about: Literal["limit", "landings", "relief", "base", "volume"]
+    about: Literal["limit", "landings", "relief", "base", "volume", "pattern"]
     value: float
     of: int = 0
     test: str = ""
@@ -308,3 +309,5 @@ def _doubts(rows: Sequence[Row], outcome: Outcome, simulation: Simulation, origi
         yield Doubt(about="base", value=simulation.grounded)
     if not abs(simulation.volume_error) <= VOLUME_ERROR:
         yield Doubt(about="volume", value=simulation.volume_error)
+    if simulation.enlarged > LIKE_ASKED:
+        yield Doubt(about="pattern", value=simulation.enlarged)

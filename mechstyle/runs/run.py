@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable, Generator, Sequence
 from contextlib import closing
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
@@ -230,9 +230,9 @@ class Run:
             self.store.move(self.lane, msgspec.structs.replace(self.store.lane(self.lane), recipe=self.store.put_recipe(self.recipe)))
             with self.clock.stage("style target"):
                 recipe, part = self.recipe, self.part
-                stylizer, notes = stylizer_for(part, recipe, self.device, self.store.objects, lambda: progress(0.0))
+                stylizer, notes, enlarged = stylizer_for(part, recipe, self.device, self.store.objects, lambda: progress(0.0))
                 bounds, protected = bounds_for(part, recipe)
-                simulator = self.simulator(recipe, progress)
+                simulator = replace(self.simulator(recipe, progress), enlarged=enlarged)
                 untangle = partial(untangled, part.surface, go_on=lambda: progress(0.0))
                 notes = (*expected(recipe), *protected, *notes)
                 engine = Engine(recipe, part.surface, bounds, stylizer, simulator, self.store, self.lane, untangle)

@@ -139,29 +139,29 @@ def settled(recipe: Recipe, *, clip_asked_for: bool) -> Recipe:
 
 def stylizer_for(
     part: Workpiece, recipe: Recipe, device: str = "cpu", objects: Objects | None = None, go_on: CancelCheck = never_cancel
-) -> tuple[Stylizer, tuple[str, ...]]:
-    """The stylizer of a recipe, and what its user should know about how the prompt was read and what the mesh can carry.
+) -> tuple[Stylizer, tuple[str, ...], float]:
+    """The stylizer of a recipe, what its user should know of it, and how many times larger than asked its pattern is drawn.
 
     Learned styles are learned on `device`. The picture is among the objects of the run, or cached; what `go_on` raises ends a drawing.
     """
     bounds = bounds_for(part, recipe)[0]
     go_on()
     if recipe.style.stylizer:
-        return made(part.surface, bounds, recipe), ()
+        return made(part.surface, bounds, recipe), (), 1.0
     if recipe.style.guidance == "clip":
         need_clip_extra()
         from mechstyle.styling.learned.build import towards_prompt  # noqa: PLC0415 — torch is loaded when it is wanted
 
-        return towards_prompt(part.surface, bounds, recipe, located(recipe.style.clip, clip_folder()).folder, device), ()
+        return towards_prompt(part.surface, bounds, recipe, located(recipe.style.clip, clip_folder()).folder, device), (), 1.0
     reading = reading_of(recipe)
     aim = drawing_of(part, bounds, recipe, reading, objects, go_on).target
     notes = (f"prompt read as {reading.words}", *reading.notes, *aim.notes)
     if recipe.style.field != "network":
-        return ProceduralStylizer(part.surface, aim, recipe.schedule.iterations), notes
+        return ProceduralStylizer(part.surface, aim, recipe.schedule.iterations), notes, aim.enlarged
     need_clip_extra()
     from mechstyle.styling.learned.build import towards_target  # noqa: PLC0415 — torch is loaded when it is wanted
 
-    return towards_target(part.surface, bounds, recipe, aim, device), notes
+    return towards_target(part.surface, bounds, recipe, aim, device), notes, aim.enlarged
 
 
 class FinishedStyle(NamedTuple):

@@ -80,6 +80,7 @@ class DropSimulator:
         shared: The same of the unstylized part for other runs too, once computed here; None for nowhere.
         device: `cpu` or `cuda`.
         progress: Called with the fraction done, and while tetrahedra are made; may raise to cancel.
+        enlarged: Times larger than asked the pattern of the reliefs is.
     """
 
     part: Workpiece
@@ -88,6 +89,7 @@ class DropSimulator:
     shared: Memo | None = None
     device: str = "cpu"
     progress: Progress = field(default=no_progress)
+    enlarged: float = 1.0
 
     @cached_property
     def meshes(self) -> Meshes:
@@ -158,6 +160,7 @@ class DropSimulator:
         found = Simulation(
             displacement=morphed.displacement, contact=landed[0].contact, backed_off=morphed.backed_off, deviation=morphed.deviation,
             carried=fit.whole, thicker=fit.thicker, grounded=fit.grounded, volume_error=fit.volume,
+            enlarged=self.enlarged if np.any(morphed.displacement) else 1.0,
             volume=float(morphed.tets.volumes.sum()),
             plastic_share=1.0 if self.recipe.printed.solid else plastic_share(morphed.tets, self.recipe),
             mesh=body.tets.digest, level_share=body.shape.level_base.share(morphed.displacement), meshing=meshing,

@@ -74,4 +74,5 @@ def combined(surface: SurfaceMesh, targets: Sequence[Target], shares: Floats) ->
     plain = (1.0 - shares.sum(axis=0))[:, None] * NEUTRAL
     colour = np.einsum("ij,ijk->jk", shares, np.stack([target.colour for target in targets])) + plain
     notes = dict.fromkeys(note for target in targets for note in target.notes)
-    return Target(unfolded(Operators(surface), relief).astype(np.float32), np.clip(colour, 0.0, 1.0).astype(np.float32), tuple(notes))
+    relief, colour = unfolded(Operators(surface), relief).astype(np.float32), np.clip(colour, 0.0, 1.0).astype(np.float32)
+    return Target(relief, colour, tuple(notes), max(target.enlarged for target in targets))

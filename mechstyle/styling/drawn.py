@@ -34,16 +34,18 @@ class Target(NamedTuple):
         displacement: Relief along the normals [mm], shape [n], float32.
         colour: Display RGB in [0, 1], shape [n, 3], float32.
         notes: What the user should know of the drawing, in sentences; those on the prompt are in the wish.
+        enlarged: Times larger than asked the pattern is drawn, 1 if it is not.
     """
 
     displacement: NDArray[np.float32]
     colour: NDArray[np.float32]
     notes: tuple[str, ...]
+    enlarged: float = 1.0
 
     def without(self, plain: NDArray[np.bool_] | bool, uncoloured: NDArray[np.float32] | float) -> Target:
         """The same where a part is not to be plain, shape [n], with a share of its own colour, shape [n, 1]."""
         relief, colour = np.where(plain, 0.0, self.displacement), (1.0 - uncoloured) * self.colour + uncoloured * NEUTRAL
-        return Target(relief.astype(np.float32), colour.astype(np.float32), self.notes)
+        return self._replace(displacement=relief.astype(np.float32), colour=colour.astype(np.float32))
 
 
 def target(
@@ -80,7 +82,7 @@ def target(
     lowered = float(mesh.vertex_areas @ (np.abs(smooth - limited) > _NOTICEABLE * np.abs(limited))) / float(mesh.vertex_areas.sum())
     if lowered >= _WORTH_A_NOTE:
         notes.append(f"the relief was lowered on {lowered:.0%} of the surface, where it would have folded over itself")
-    return Target(smooth.astype(np.float32), tint, tuple(notes))
+    return Target(smooth.astype(np.float32), tint, tuple(notes), canvas.enlarged)
 
 
 def tinted(relief: Relief, wish: Wish) -> Floats:

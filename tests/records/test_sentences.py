@@ -184,6 +184,10 @@ DOUBTS = [
         verdict(FLAT, doubts=(Doubt(about="base", value=0.8),)),
         f"Not sure: only 80% of the base is on the floor in the mesh, too; {LOWER}.",
     ),
+    (
+        verdict(FLAT, doubts=(Doubt(about="pattern", value=2.34),)),
+        "Not sure: the pattern is 2.3 times larger than asked; with more vertices the part may bend more.",
+    ),
     (verdict(FLAT, doubts=(MISSED,)), f"Not sure: between the relief the mesh is 22% thicker than the part; {LOWER}."),
     (
         verdict(FLAT, doubts=(near(), MISSED, SMALLER)),

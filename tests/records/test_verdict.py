@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from mechstyle.records import Doubt, Simulation, Verdict, judge
 from mechstyle.records.load_cases import Load, LoadCase, Support
 from mechstyle.records.material import LIBRARY
-from mechstyle.records.simulation import LEAST_GROUNDED, THICKER, VOLUME_ERROR
+from mechstyle.records.simulation import LEAST_GROUNDED, LIKE_ASKED, THICKER, VOLUME_ERROR
 from mechstyle.records.verdict import LITERAL_REPEATS, MEASURE, MORE_THAN_PLAIN, OLDER, REPEATS, REPEATS_SHARE
 from support.records import STRENGTH, TOLERANCE, landing, load_result, load_row, recipe, row, verdict
 
@@ -286,6 +286,8 @@ def test_one_sure_failure_settles_it_and_of_failures_in_doubt_only_they_are_name
         ("volume_error", "volume", math.nan, False),
         ("volume_error", "volume", -1.01 * VOLUME_ERROR, False),
         ("volume_error", "volume", VOLUME_ERROR, True),
+        ("enlarged", "pattern", 1.01 * LIKE_ASKED, False),
+        ("enlarged", "pattern", LIKE_ASKED, True),
     ],
 )
 def test_a_mesh_that_is_thicker_or_hangs_or_misses_volume_leaves_a_doubt_on_what_passes(figure, about, value, good):

@@ -19,7 +19,7 @@ from mechstyle.styling.prompt import reading_of
 
 def relief(part, recipe):
     """What the stylizer of a recipe proposes in the end [mm]."""
-    stylizer, _ = stylizer_for(part, recipe)
+    stylizer, *_ = stylizer_for(part, recipe)
     for _ in range(200):
         stylizer.step()
     return stylizer.proposal().displacement
@@ -44,7 +44,7 @@ def test_the_stylizer_keeps_within_what_the_part_can_bear(ball):
 
 
 def test_what_was_not_understood_of_the_prompt_is_said(ball):
-    _, notes = stylizer_for(ball, plan(ball, "brick with sprinkles"))
+    _, notes, _ = stylizer_for(ball, plan(ball, "brick with sprinkles"))
     assert any("sprinkles" in note for note in notes)
 
 
@@ -176,7 +176,7 @@ def test_without_torch_the_network_and_clip_are_refused_and_the_rest_goes_on(par
 @pytest.mark.parametrize("field", ["vertex", "network"])
 def test_every_pair_of_guidance_and_field_has_a_stylizer_within_the_bounds(ball, weights, guidance, field):
     recipe = plan(ball, "stone", guidance=guidance, field=field, amplitude=0.2)
-    stylizer, _ = stylizer_for(ball, recipe)
+    stylizer, *_ = stylizer_for(ball, recipe)
     first = stylizer.proposal()
     assert not first.displacement.any()
     for _ in range(2):
@@ -191,7 +191,7 @@ def test_a_network_never_moves_what_is_protected_and_draws_no_ramp_twice(ball, w
     recipe = plan(ball, "stone", guidance="clip", field="vertex", protect=["below 0 ramp 4"])
     freedom = bounds_for(ball, recipe)[0].freedom
     assert np.any((freedom > 0.0) & (freedom < 1.0))
-    stylizer, _ = stylizer_for(ball, recipe)
+    stylizer, *_ = stylizer_for(ball, recipe)
     for _ in range(2):
         found = stylizer.step()
     assert np.array_equal(stylizer._shape.mask.numpy(), freedom > 0.0)
@@ -293,7 +293,7 @@ def test_the_plain_inside_of_a_container_is_no_part_of_the_style(mug):
     solid = TetMesh(np.vstack([np.zeros(3), 10.0 * np.eye(3)]), [[0, 1, 2, 3]])
     cup = Workpiece(mug.surface, solid, mug.thickness, stands=True)
     recipe = plan(cup, "brick", freestyle=True)
-    stylizer, _ = stylizer_for(cup, recipe)
+    stylizer, *_ = stylizer_for(cup, recipe)
     grown = finished_style(cup, recipe).relief
     for _ in range(200):
         stylizer.step()

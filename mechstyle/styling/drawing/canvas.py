@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from mechstyle.geometry.cancelling import CancelCheck, never_cancel
 from mechstyle.records.mesh import Floats, Indices, SurfaceMesh
+from mechstyle.records.simulation import LIKE_ASKED
 from mechstyle.styling.drawing import noise, scatter
 from mechstyle.styling.drawing.charts import Chart, chart_of
 from mechstyle.styling.drawing.colours import cast, finish_of, recoloured, shaded
@@ -48,6 +49,7 @@ class Canvas:
         nozzle: Diameter of the nozzle it is printed with [mm], 0 for none: what is finer is noted.
         edge: Edge length of the mesh [mm]; nothing much finer than two of them can be drawn.
         notes: What the user should know of this drawing, in sentences.
+        enlarged: Times larger than asked the pattern is drawn, 1 if it is not.
         picture: The picture to draw, None for none.
         found_pieces: What `pieces` has answered so far.
         go_on: Asked before each of the tools that take long; what it raises ends the drawing.
@@ -67,6 +69,7 @@ class Canvas:
         self.scale = scale_by_area(mesh) * size
         self.nozzle = nozzle
         self.notes: list[str] = []
+        self.enlarged = 1.0
         self.picture: PlacedPicture | None = None
         self.found_pieces: list[Indices] = []
         self.go_on: CancelCheck = never_cancel
@@ -94,8 +97,8 @@ class Canvas:
         The feature has a plural name, for the note, and a nominal size [mm], and must span so many mesh edges.
         """
         needed = edges * self.edge / finest
-        # Meshes of one vertex count differ a little in edge length; a pattern a tenth too fine is still carried.
-        if needed > 1.1 * self.scale:
+        if needed > LIKE_ASKED * self.scale:
+            self.enlarged = max(self.enlarged, needed / self.scale)
             wide, carried = finest * self.scale, finest * needed
             self.notes.append(
                 f"the mesh (edge {self.edge:.2g} mm) is too coarse for {what} of {wide:.2g} mm: "

@@ -14,6 +14,7 @@ from typing import NamedTuple
 from mechstyle.records import Recipe
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.records.regions import Region
+from mechstyle.records.simulation import LIKE_ASKED
 from mechstyle.runs.stylizers import FinishedStyle, finished_style
 from mechstyle.simulation.part import Shape, standardised_before
 from mechstyle_widgets.jupyter.prepare import shape_aside
@@ -30,8 +31,8 @@ _ready: dict[tuple[str, int], Shape] = {}
 """The last ones, by what they are of and their vertices: a cell that is run again shows its style at once."""
 
 
-ENLARGED, LIKE_ASKED = re.compile(r"too coarse for (?P<what>.+?) of .* enlarged (?P<times>[\d.]+)x"), 1.1
-"""What the note of a drawing says where its mesh carries no pattern so fine, and up to how many times larger it counts as it was asked."""
+ENLARGED = re.compile(r"too coarse for (?P<what>.+?) of .* enlarged (?P<times>[\d.]+)x")
+"""What the note of a drawing says where its mesh carries no pattern so fine."""
 
 
 class Enlarged(NamedTuple):
