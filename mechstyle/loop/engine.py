@@ -276,7 +276,8 @@ class Engine:
         assert state.verdict is not None, "the last iteration is always simulated"
         finished, best = state.displacement, state
         target = self._target()
-        unheld = self.recipe.restraint.control == "none" and np.all(state.share == 1.0)
+        masked = self.recipe.restraint.control != "none" and self.recipe.schedule.when != "never"
+        unheld = not masked and np.all(state.share == 1.0)
         wanted = finished if unheld else target  # what nothing held back is all that can be given back
         search = correction.Correction(self.surface, wanted, lambda relief: self._kept(relief, target), self.bounds.standing)
         tries = search.tries(finished, self._finding(state))

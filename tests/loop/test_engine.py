@@ -216,6 +216,18 @@ def test_what_masks_held_back_is_given_back_where_the_finished_relief_leaves_res
     assert np.array_equal(last.share, grown.share)
 
 
+@pytest.mark.parametrize("control", ["linear", "none"])
+def test_what_the_tetrahedra_do_not_follow_is_not_given_back_where_no_mask_held_any_of_it(bench, monkeypatch, control):
+    """They would not follow it the next time either, and the test costs a minute."""
+    bench.gain, real = 60.0, LeverSimulator.simulate
+    monkeypatch.setattr(LeverSimulator, "simulate", lambda self, asked, *, thorough: real(self, np.float32(0.9) * asked, thorough=thorough))
+    events = list(bench.engine(bench.recipe(schedule="never", control=control)).run())
+    steps = [event.step for event in events if isinstance(event, Corrected)]
+    assert steps
+    assert not [step for step in steps if "held back" in step]
+    assert events[-1].verdict.passes
+
+
 def test_of_two_that_keep_as_much_the_one_that_is_sure_is_taken_and_doubt_costs_no_relief(bench, monkeypatch):
     bench.gain, real = 1.0, LeverSimulator.judge
 
