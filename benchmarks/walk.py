@@ -18,6 +18,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from _pytest.outcomes import Failed
 from lab import Page, browser, laboratory
 from playwright.sync_api import Error as PageError
 from rich.console import Console
@@ -40,6 +41,8 @@ without_physics(pytest.MonkeyPatch())
 studio = Studio("gallery:wall_hook", prompt="brick", schedule="every", every=4, iterations=12, vertices=900)
 studio
 """
+ALL_OF_IT = "studio.viewer.cut_open(on=False); studio.viewer.fit('three_quarter')"
+"""Whatever a walk has left of the view."""
 LISTEN = """() => {
     const kernel = window.jupyterapp.shell.currentWidget.sessionContext.session.kernel;
     window.complaints = [];
@@ -211,8 +214,10 @@ def main() -> None:
                 if number % CALM == 0:
                     walker.listen()
             walker.listen()
+            walker.shown.notebook.python(ALL_OF_IT)
             walker.shown.notebook.drawn()
-        except Exception as error:  # noqa: BLE001 — whatever it is, it is listed with what was done before
+        except (Exception, Failed) as error:  # noqa: BLE001 — whatever it is, it is listed with what was done before
+            walker.shown.notebook.keep(f"walk-{given.seed}")
             walker.note(f"{type(error).__name__}: {error}")
         log = (notebooks.parent / "home" / "log").read_text(encoding="utf-8")
     logged = [line for line in log.splitlines() if "Traceback" in line or "restart" in line or line.startswith("[E ")]

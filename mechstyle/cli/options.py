@@ -26,7 +26,7 @@ DEFAULTS_MAY_CHANGE = "Defaults in parentheses are the recipe's; --control, --cr
 Model = Annotated[str, typer.Argument(metavar="MODEL", help="A file (STL, OBJ, PLY, GLB, 3MF) or gallery:NAME.")]
 READ_AS = 'Add "#unit=in", "#size=120" or "#body=lid" to a file to say how it is read.'
 OF_MACHINE = partial(typer.Option, rich_help_panel=MACHINE)
-DETAIL = "Vertices of the surface; beyond 25 000 only as many as edges of 0.6 mm need."
+DETAIL = "Vertices of the surface, 500 to 400 000; beyond 25 000 only as many as edges of 0.6 mm need."
 Vertices = Annotated[int, OF_MACHINE(help=DETAIL)]
 RunVertices = Annotated[
     int | None, OF_MACHINE("--vertices", help=DETAIL, show_default=f"{STANDARD_VERTICES}; {QUICK_VERTICES} with --quick")

@@ -24,7 +24,7 @@ from mechstyle.cli.options import (
     recipe_options,
 )
 from mechstyle.records.landings import STANDARDS
-from mechstyle.records.mesh import QUICK_VERTICES, STANDARD_VERTICES
+from mechstyle.records.mesh import QUICK_VERTICES, STANDARD_VERTICES, check_vertices
 from mechstyle.records.recipe import OF_FEEDBACK, OPTIONS
 
 if TYPE_CHECKING:
@@ -69,8 +69,7 @@ def carry_out(
     from mechstyle.simulation.estimate import estimated  # noqa: PLC0415
     from mechstyle.styling.prompt import reading_of  # noqa: PLC0415
 
-    if vertices is None:
-        vertices = QUICK_VERTICES if quick else STANDARD_VERTICES
+    vertices = (QUICK_VERTICES if quick else STANDARD_VERTICES) if vertices is None else check_vertices(vertices)
     wanted = draft(**settings, freestyle=freestyle)
     device = resolve_device(device)
     said = set() if said is None else said

@@ -13,6 +13,8 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from mechstyle.errors import BadInput
+
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int32]
 Bools = NDArray[np.bool_]
@@ -24,6 +26,16 @@ STANDARD_VERTICES = 100_000
 """Vertices of a standardised surface by default, at most: see `simulation.part.standardised`."""
 QUICK_VERTICES = 2_000
 """Vertices of a quick run, which has the same tests."""
+VERTICES = (500, 400_000)
+"""Fewest and most vertices that a standardised surface can be asked for."""
+
+
+def check_vertices(wanted: int) -> int:
+    """A number of vertices that can be asked for; BadInput for any other."""
+    fewest, most = VERTICES
+    if isinstance(wanted, bool) or not isinstance(wanted, int | np.integer) or not fewest <= wanted <= most:
+        raise BadInput(f"vertices is {wanted!r:.20}, but must be a whole number between {fewest} and {most}")
+    return int(wanted)
 
 
 def frozen_array(values: ArrayLike, dtype: Any, shape: tuple[int | None, ...], name: str) -> NDArray[Any]:

@@ -6,6 +6,7 @@ import hashlib
 import inspect
 import math
 import re
+import sys
 from collections.abc import Collection, Mapping
 from typing import Any, ClassVar, Literal, get_args
 
@@ -59,7 +60,8 @@ class Chapter(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         for name, (low, high) in self.LIMITS.items():
             value = values[name]
             if value is not None and not low <= value <= high:
-                raise BadInput(f"{name.replace('_', ' ')} is {value:g}, but must lie between {low:g} and {high:g}")
+                figure = "beyond any float" if isinstance(value, int) and abs(value) > sys.float_info.max else f"{value:g}"
+                raise BadInput(f"{name.replace('_', ' ')} is {figure}, but must lie between {low:g} and {high:g}")
 
 
 class Specimen(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -143,6 +143,12 @@ def check_settings(settings: dict[str, Any]) -> None:
             raise unknown("setting", name, SETTINGS)
 
 
+def check_figure(name: str, value: Any) -> None:
+    """Refuse a figure that a setting cannot have, whatever the others are; what is no figure is checked with the others."""
+    if TYPES[name] in PLAIN:
+        Recipe.of(prompt="", **_given({"material": "PLA", name: value}))
+
+
 def typed(text: str) -> tuple[str, Any]:
     """A setting and its value, written as NAME=VALUE; the value as JSON or as it is.
 

@@ -13,7 +13,7 @@ from typing import Any
 import msgspec
 
 from mechstyle._files import exclusive, write_whole
-from mechstyle.errors import BadInput, check_known
+from mechstyle.errors import BadInput, MechStyleError, check_known
 from mechstyle.fea.drop import resolve_device
 from mechstyle.fea.explicit import Progress, no_progress
 from mechstyle.geometry.cancelling import CancelCheck, never_cancel
@@ -26,7 +26,7 @@ from mechstyle.loop.store import Entry, Lane, Store, parse_address
 from mechstyle.pictures.panels import Picture, checkpoint_panels, chosen_panels, picture, styled_panel, with_protected
 from mechstyle.records import SETTINGS, Checkpoint, Recipe, Simulation, Verdict, sentences
 from mechstyle.records.material import Material
-from mechstyle.records.mesh import QUICK_VERTICES, STANDARD_VERTICES, Field, SurfaceMesh
+from mechstyle.records.mesh import QUICK_VERTICES, STANDARD_VERTICES, Field, SurfaceMesh, check_vertices
 from mechstyle.runs import images
 from mechstyle.runs.export import AS_USUAL, Exported, exported, known_fields
 from mechstyle.runs.folders import PartRecord, check_free, default_folder, folder_for
@@ -93,9 +93,13 @@ class Run:
 
     def __repr__(self) -> str:
         """Folder, lane, prompt and progress."""
-        history = self.history
-        where = f"iteration {history[-1].iteration} of {self.recipe.schedule.iterations}" if history else "not started"
-        return f"Run({str(self.store.root)!r}, lane {self.lane!r}, {self.recipe.style.prompt!r}, {where})"
+        named = f"Run({str(self.store.root)!r}, lane {self.lane!r}"
+        try:
+            history, recipe = self.history, self.recipe
+        except MechStyleError:  # its folder may be gone, and what shows a run in a line must show it even so
+            return f"{named}, which cannot be read)"
+        where = f"iteration {history[-1].iteration} of {recipe.schedule.iterations}" if history else "not started"
+        return f"{named}, {recipe.style.prompt!r}, {where})"
 
     # what it is
 
@@ -343,8 +347,7 @@ def stylize(
     wanted = draft(prompt, material, freestyle=freestyle, **settings)
     for warning in idle(settings, wanted):
         logger.warning("%s", warning)
-    if vertices is None:
-        vertices = QUICK_VERTICES if quick else STANDARD_VERTICES
+    vertices = (QUICK_VERTICES if quick else STANDARD_VERTICES) if vertices is None else check_vertices(vertices)
     return started(wanted, mesh, vertices=vertices, out=out, name=name, device=device, stage=stage, warn=logged).go(on_event)
 
 

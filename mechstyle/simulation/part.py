@@ -33,7 +33,7 @@ from mechstyle.loop import minimum_wall as walls
 from mechstyle.loop.bounds import Bounds
 from mechstyle.loop.objects import Memo, Objects
 from mechstyle.records import Recipe
-from mechstyle.records.mesh import STANDARD_VERTICES, Floats, SurfaceMesh, TetMesh
+from mechstyle.records.mesh import STANDARD_VERTICES, Floats, SurfaceMesh, TetMesh, check_vertices
 from mechstyle.records.recipe import BASES
 from mechstyle.records.regions import Inside, Outside, Region
 from mechstyle.records.simulation import THICKER
@@ -327,10 +327,13 @@ def standardised(mesh: SurfaceMesh, vertices: int, go_on: CancelCheck = never_ca
         mesh: A closed surface [mm].
         vertices: Vertices wanted; of more than EVEN only as many as edges of EDGE need, as a small part has no use for others.
         go_on: Called in between; what it raises ends the work.
+
+    Raises:
+        BadInput: If the number of vertices is none that can be asked for, or the surface cannot be made even.
     """
     if isinstance(mesh, Model) and mesh.tets is not None:
         return SurfaceMesh(mesh.vertices, mesh.faces, mesh.colours)
-    known = standardised_before(mesh, vertices)
+    known = standardised_before(mesh, check_vertices(vertices))
     if known is not None:
         return known
     surface = standardise(mesh, min(vertices, EVEN), go_on=go_on)

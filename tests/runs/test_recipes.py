@@ -190,6 +190,7 @@ def both_ways(part, settings):
         ({"schedule": "stres"}, "unknown schedule 'stres': did you mean 'stress'"),
         ({"transfer": "nearst"}, "unknown transfer 'nearst': did you mean 'nearest'"),
         ({"iterations": 0}, "iterations is 0, but must lie between 1 and 100000"),
+        ({"iterations": 10**400}, "iterations is beyond any float, but must lie between 1 and 100000"),
         ({"amplitude": -0.1}, "amplitude is -0.1, but must lie between 0 and 2"),
         ({"height": 1e6}, r"height is 1e\+06, but must lie between 1 and 100000"),
         ({"travel": float("nan")}, "travel is nan, but must lie between 0.001 and 10"),

@@ -51,7 +51,8 @@ def exported(run: Run, path, iteration=None, **_) -> SimpleNamespace:
 
 
 def without_physics(patch: pytest.MonkeyPatch) -> None:
-    """Let no run of a Studio mesh, draw or drop anything."""
+    """Let no run of a Studio mesh, draw or drop anything; a sheet may be as coarse as it likes."""
+    patch.setattr("mechstyle.records.mesh.VERTICES", (1, 400_000))
     patch.setattr(Run, "events", lambda run, _progress: engine_of(run).run())
     patch.setattr(controller_module, "prepare_aside", prepared)
     patch.setattr("mechstyle.simulation.strengthen.refilled", lambda part, *_: part)  # a sheet cannot be meshed

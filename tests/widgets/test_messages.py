@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import errno
 import io
 import shutil
@@ -12,6 +13,7 @@ import pytest
 import trimesh
 from PIL import Image
 
+from mechstyle.errors import DamagedStore
 from mechstyle.records import sentences
 from mechstyle.runs.run import Run
 from mechstyle_widgets.jupyter import cell_output
@@ -19,9 +21,11 @@ from mechstyle_widgets.panels.mask_inspector import LAYER
 from mechstyle_widgets.state import controller as controller_module
 from mechstyle_widgets.state.time_left import Stopwatch
 from mechstyle_widgets.studio import Studio
+from mechstyle_widgets.viewer import run_viewer
 from mechstyle_widgets.viewer.run_viewer import RunViewer
 from mechstyle_widgets.viewer.viewer import PartViewer
 from support.sheet_studio import without_physics
+from support.told import assert_tells_one_truth
 
 PATIENCE = 30.0
 
@@ -155,6 +159,64 @@ def test_a_run_whose_folder_is_gone_is_said_wherever_one_looks_and_is_made_again
     assert (studio.state.status, studio.state.message) == ("finished", "")
     assert studio.run.store.root.is_dir()
     assert not caplog.records
+
+
+@pytest.mark.parametrize("seen", [False, True])
+def test_what_cannot_be_drawn_any_more_is_not_gone_to(studio, seen):
+    """The timeline named iteration 4, which was in memory, over a picture of the end."""
+    if seen:
+        studio.state.iteration = 4
+        studio.state.iteration = 12
+    shutil.rmtree(studio.run.store.root)
+    for go_there in (
+        lambda: setattr(studio.state, "iteration", 4),
+        lambda: setattr(studio._timeline, "iteration", 4),
+        lambda: setattr(studio.viewer, "iteration", 4),
+        lambda: studio._timeline._curves.set_state({"head": 4}),
+    ):
+        go_there()
+        assert "The folder small is gone" in studio.run_controls.trouble
+        assert studio.state.iteration == studio._timeline.iteration == studio._timeline._curves.head == studio.viewer.iteration == 12
+        assert (studio.state.checkpoint.iteration, studio.viewer._drawn_place) == (12, ("main", 12))
+        studio.state.message = ""
+
+
+def test_an_iteration_that_is_damaged_is_left_for_the_one_that_is_drawn(studio, monkeypatch):
+    whole = run_viewer.subject_of
+
+    def damaged(run, state):
+        if state.iteration == 4:
+            raise DamagedStore("the simulation of iteration 4 is damaged")
+        return whole(run, state)
+
+    async def looks_at_it():
+        studio._timeline.iteration = 4
+        async with asyncio.timeout(PATIENCE):
+            while not studio.run_controls.trouble or studio.viewer._newest._busy or studio.viewer._catch_up._waiting:  # noqa: ASYNC110 — a thread is waited for
+                await asyncio.sleep(0.01)
+
+    monkeypatch.setattr(run_viewer, "subject_of", damaged)
+    asyncio.run(looks_at_it())
+    assert "the simulation of iteration 4 is damaged" in studio.run_controls.trouble
+    assert studio.state.iteration == studio._timeline.iteration == studio._timeline._curves.head == studio.viewer.iteration == 12
+    assert_tells_one_truth(studio)
+    studio._timeline.iteration = 8
+    assert (studio.state.iteration, studio.run_controls.trouble) == (8, "")
+
+
+def test_a_branch_of_a_folder_that_is_gone_is_not_gone_to(studio):
+    studio.controller.branch(4, "soft", threshold=0.4)
+    studio.state.session.wait(PATIENCE)
+    studio.state.pump()
+    marks = enumerate(studio._timeline._curves.data)
+    trace = next(number for number, mark in marks if ["main"] in mark.get("customdata", ()))
+    shutil.rmtree(studio.run.store.root)
+    for go_there in (lambda: studio.branches._choice.set_state({"index": 0}), lambda: studio._timeline._clicked(trace, 0)):
+        go_there()
+        assert "The folder small is gone" in studio.run_controls.trouble
+        assert studio.state.lane == studio._timeline.lane == studio.branches.lane == studio.branches._choice.value == "soft"
+        studio.state.message = ""
+    assert "which cannot be read" in repr(studio)
 
 
 def test_a_folder_that_goes_in_the_middle_of_a_run_is_what_is_said(studio, monkeypatch):

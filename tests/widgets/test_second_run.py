@@ -18,6 +18,7 @@ from mechstyle_widgets.studio import Studio
 from mechstyle_widgets.viewer.run_viewer import RunViewer
 from mechstyle_widgets.viewer.viewer import PartViewer
 from support.sheet_studio import engine_of, sheet_of, without_physics
+from support.told import assert_tells_one_truth
 
 PATIENCE = 30.0
 
@@ -292,3 +293,27 @@ def test_a_run_is_followed_wherever_the_notebook_works_meanwhile(studio, cube, t
     studio.prompt_box.prompt = "wood"
     settled(studio, studio.controller.run)
     assert_shows(studio, sheet_of(cube, 64), "wood")
+
+
+def test_two_studios_run_at_once_and_each_shows_its_own(tmp_path, monkeypatch, cube, caplog):
+    monkeypatch.chdir(tmp_path)
+    without_physics(monkeypatch)
+    meet = threading.Barrier(2, timeout=PATIENCE)
+
+    def events(run, _progress):
+        meet.wait()  # neither goes on before the other has begun
+        yield from engine_of(run).run()
+
+    monkeypatch.setattr(Run, "events", events)
+    settings = {"schedule": "every", "every": 4, "iterations": 12, "vertices": 64}
+    studios = [Studio(cube, prompt=prompt, **settings) for prompt in ("brick", "stone")]
+    for studio in studios:
+        studio.controller.run()
+    for studio, prompt in zip(studios, ("brick", "stone"), strict=True):
+        studio.state.session.wait(PATIENCE)
+        studio.state.pump()
+        assert studio.state.status == "finished", studio.state.message
+        assert_shows(studio, sheet_of(cube, 64), prompt)
+        assert_tells_one_truth(studio)
+    assert studios[0].run.store.place != studios[1].run.store.place
+    assert not caplog.records

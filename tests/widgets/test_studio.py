@@ -124,8 +124,16 @@ def test_an_unknown_setting_is_refused_in_one_line_with_what_to_do(name, cure):
 @pytest.mark.parametrize(
     ("given", "line"),
     [
-        ({"threshold": "x"}, "threshold must be a number, not 'x'"),
-        ({"vertices": -1}, "vertices should not be less than 1, but a value of -1 was specified"),
+        ({"threshold": "x"}, "threshold is 'x', but must be a number"),
+        ({"threshold": 0}, "threshold is 0, but must lie between 0.01 and 100"),
+        ({"relief": float("nan")}, "relief is nan, but must lie between 0 and 20"),
+        ({"window": 0}, "window is 0, but must lie between 0.05 and 50"),
+        ({"crops": 0}, "crops is 0, but must lie between 1 and 16"),
+        ({"price": float("nan")}, "price must be a number, not nan"),
+        *(
+            ({"vertices": wrong}, f"vertices is {wrong!r}, but must be a whole number between 500 and 400000")
+            for wrong in (-1, 10, 10**9, 4000.5, "many", True)
+        ),
         ({"theme": "blue"}, "theme must be one of ['auto', 'light', 'dark'], not 'blue'"),
         ({"filled": "yes"}, "filled must be True or False, not 'yes'"),
         ({"prompt": 5}, "prompt must be text, not 5"),

@@ -22,10 +22,10 @@ from mechstyle.gallery import PREFIX
 from mechstyle.loop.store import parse_address
 from mechstyle.pictures.fields import STAYS_BENT
 from mechstyle.records import SETTINGS, Recipe
-from mechstyle.records.mesh import SurfaceMesh
+from mechstyle.records.mesh import SurfaceMesh, check_vertices
 from mechstyle.records.recipe import DEFAULTS
 from mechstyle.runs.images import remember
-from mechstyle.runs.recipes import FREESTYLE, brought, draft
+from mechstyle.runs.recipes import FREESTYLE, brought, check_figure, draft
 from mechstyle.runs.run import Run
 from mechstyle.simulation.estimate import estimated, landings_on_the_way, plan_of
 from mechstyle.teaching import STYLE, trophy
@@ -249,6 +249,8 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         part, options = self.part_picker, self.drop_options
         opened = part.mesh is not None and part.mesh is self._opened_mesh and options.vertices == len(part.mesh.vertices)
         at_hand = opened and self.run is not None and self.run.store.place == self._opened_place
+        if not opened:
+            check_vertices(options.vertices)
         unseen = {name: value for name, value in self._unseen.items() if not (name == "clip" and chosen["guidance"] == "offline")}
         recipe = draft(prompt, material, freestyle=freestyle, **{**unseen, **chosen})
         return Wanted(recipe, None if at_hand else part.mesh, options.vertices, part.name or "part", options.folder, options.device)
@@ -296,6 +298,10 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
     def _give(self, settings: dict[str, Any]) -> None:
         """Set what was given by name; as everywhere, a standard, poses and a criterion bring what belongs to them."""
         for name, value in brought(settings, self.control_selector.control).items():
+            if name in SETTINGS:
+                check_figure(name, value)
+            elif name == "vertices":
+                check_vertices(value)
             if name in self._owners:
                 setattr(self._owners[name], name, value)
             elif name in UNSEEN:

@@ -66,7 +66,7 @@ def test_the_same_input_gives_the_same_bytes(cup):
 
 @pytest.mark.parametrize("count", [10, 499, 400_001])
 def test_counts_out_of_range_are_refused(cup, count):
-    with pytest.raises(BadInput, match="500 to 400000"):
+    with pytest.raises(BadInput, match="between 500 and 400000"):
         even(cup, count)
 
 

@@ -142,6 +142,11 @@ def test_three_figures_are_those_of_the_test_that_decides():
     assert "0.12 mm" not in told
 
 
+def test_a_part_that_cracks_says_so_under_its_figure():
+    told = figures(OnShow("sheet, brick", verdict=verdict(row(0.53, cracks=True)), kept=0.93))
+    assert "<dd>0.53 mm</dd><dd><small>cracks, allowed" in told
+
+
 def test_what_was_not_tested_has_no_figure_of_another_test():
     told = figures(OnShow("sheet, brick", verdict=None, tested_at=5))
     assert "NOT TESTED since iteration 5" in told

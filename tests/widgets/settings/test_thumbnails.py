@@ -86,7 +86,7 @@ def test_giving_up_ends_the_other_process(sphere):
 
 
 def test_what_cannot_be_prepared_is_refused_in_its_own_words(sphere, empty_cache):
-    with pytest.raises(BadInput, match="cannot standardise to 3 vertices"):
+    with pytest.raises(BadInput, match="vertices is 3, but must be a whole number between"):
         prepare_aside(sphere, 3, lambda _: None, lambda: None)
 
 

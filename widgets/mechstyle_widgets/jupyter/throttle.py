@@ -112,7 +112,10 @@ class Newest(Generic[Wish, Answer]):
     def __init__(
         self, work: Callable[[Wish], Answer], bring: Callable[[Wish, Answer], None], failed: Callable[[Exception], None] | None = None
     ) -> None:
-        """Work with `work`, which must touch no trait, and hand wish and answer to `bring` on the event loop, an error to `failed`."""
+        """Work with `work`, which must touch no trait, and hand wish and answer to `bring` on the event loop.
+
+        `failed` hears of the error of a wish that no newer one has taken the place of.
+        """
         self._work, self._bring, self._failed = work, bring, failed
         self._next: Wish | None = None
         self._busy, self._cancelled = False, False
@@ -121,7 +124,7 @@ class Newest(Generic[Wish, Answer]):
         """Work on a wish, after the one in hand."""
         loop = running_loop()
         if loop is None:
-            self._bring(wish, self._work(wish))
+            in_a_thread(None, partial(self._work, wish), partial(self._bring, wish), self._fail)
         elif self._busy:
             self._next = wish
         else:
@@ -148,4 +151,5 @@ class Newest(Generic[Wish, Answer]):
     def _fail(self, error: Exception) -> None:
         if self._failed is None:
             raise error
-        self._failed(error)
+        if not self._busy:
+            self._failed(error)

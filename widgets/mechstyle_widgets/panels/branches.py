@@ -197,7 +197,8 @@ class Branches(Section):
 
     def _choose(self, change: dict[str, Any]) -> None:
         if change["new"]:
-            self.lane = change["new"]
+            self.state.go_to(change["new"])
+            self._list()
 
     def _redraw(self, _change: object = None) -> None:
         state = self.state

@@ -110,11 +110,8 @@ class NextSteps(ipywidgets.HBox):  # type: ignore[misc]  # ipywidgets has no typ
             if end.verdict.passes:
                 row = end.verdict.deciding
                 found = "" if row is None else f"{sentences.found(row)} of {sentences.allowed(row)}, {end.kept:.0%} kept"
-                return Step("MechStyle", found, partial(self._show_lane, branch.lane))
+                return Step("MechStyle", found, partial(self._state.go_to, branch.lane))
         return Step("Hold it back", "", partial(self._branch, 0, **{name: DEFAULTS[name] for name in FREESTYLE}))
-
-    def _show_lane(self, lane: str) -> None:
-        self._state.lane = lane
 
     def _branch(self, iteration: int, **changes: Any) -> None:
         self._controller.branch(iteration, **changes)

@@ -86,7 +86,8 @@ def figures(shown: OnShow, weight: str = "", how: str = "", beside: str = "") ->
     bent, about = "–", said(shown.words)
     if row is not None:
         plain = [] if row.plain_permanent_set is None else [word("plain {}").format(sentences.bend(row.plain_permanent_set))]
-        bent, about = said(sentences.found(row)), ", ".join([word("allowed {}").format(sentences.allowed(row)), *plain])
+        bent, _, cracks = said(sentences.found(row)).partition(", ")  # a large figure is short, or it takes three lines
+        about = ", ".join(filter(None, [cracks, word("allowed {}").format(sentences.allowed(row)), *plain]))
     kept = ("–", word("known at the end")) if shown.kept is None else (f"{shown.kept:.0%}", "")
     named = [(bent, "stays bent" if row is None or row.stress is None else "largest stress", about), (kept[0], "style kept", kept[1])]
     if weight:

@@ -12,7 +12,7 @@ import traitlets
 from mechstyle.errors import BadInput
 from mechstyle.records.material import LIBRARY, Material, material_named
 from mechstyle_widgets.jupyter.looks import lean, unheard
-from mechstyle_widgets.settings.section import Section, control, linked
+from mechstyle_widgets.settings.section import Figure, Section, control, linked
 
 FIGURES = {
     "youngs_modulus": ("E [MPa]", 50.0),
@@ -37,7 +37,7 @@ class MaterialPicker(Section):
     OWN = ("price",)
 
     material = traitlets.Instance(Material)
-    price = traitlets.Float(20.0, min=0.0)
+    price = Figure(20.0, min=0.0)
 
     def __init__(self, material: str | Material = "PLA") -> None:
         """Offer the library; `material` is chosen at first."""

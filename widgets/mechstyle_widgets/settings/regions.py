@@ -22,7 +22,7 @@ from mechstyle.records.regions import KINDS, Box, HalfSpace, Point, Region, Sphe
 from mechstyle_widgets.jupyter.frame import unseen
 from mechstyle_widgets.jupyter.language import said, word
 from mechstyle_widgets.jupyter.looks import lean
-from mechstyle_widgets.settings.section import WIDE, Read, Section, linked, setting
+from mechstyle_widgets.settings.section import WIDE, Figure, Read, Section, linked, setting
 
 UNDERSIDES = {"plain": "smooth underside", "level": "relief, standing level", "free": "relief as the style has it"}
 """What becomes of the base, one of `BASES`, in words."""
@@ -83,7 +83,7 @@ class RegionsPicker(Section):
     base = setting("base")
     protect: Any = Read(regions, ())
     paint = traitlets.Bool(False)
-    radius = traitlets.Float(5.0, min=0.1, max=1e3)
+    radius = Figure(5.0, min=0.1, max=1e3)
     place = traitlets.Tuple(None, allow_none=True)
 
     def __init__(self, protect: str | Region | list[str | Region] = (), *, base: str = DEFAULTS["base"]) -> None:  # type: ignore[assignment]

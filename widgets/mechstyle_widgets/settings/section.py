@@ -23,6 +23,16 @@ CHECK = {"style": {}, "indent": False}
 """Look of a box to tick, whose description stands at its right."""
 
 
+class Figure(traitlets.Float[Any, Any]):
+    """A number, within its limits if it has any; NaN is none, and lies between all limits for who compares with them."""
+
+    def validate(self, obj: Any, value: Any) -> Any:
+        """The number."""
+        if value != value:  # noqa: PLR0124 — only NaN is not what it is
+            self.error(obj, value)
+        return super().validate(obj, value)
+
+
 def setting(name: str) -> Any:
     """A trait for a field of the recipe, with its default and the names or numbers it may have."""
     default = DEFAULTS[name]
@@ -30,7 +40,7 @@ def setting(name: str) -> Any:
         return traitlets.Enum(tuple(CHOICES[name]), default)
     if isinstance(default, bool):
         return traitlets.Bool(default)
-    number: Any = traitlets.Int if isinstance(default, int) else traitlets.Float
+    number: Any = traitlets.Int if isinstance(default, int) else Figure
     return number(default, allow_none=default is None, **range_of(name))
 
 
@@ -77,7 +87,7 @@ class Millimetres(ipywidgets.SelectionSlider):  # type: ignore[misc]  # ipywidge
         auto: What the first place is called.
     """
 
-    length: Any = traitlets.Float(None, allow_none=True)
+    length: Any = Figure(None, allow_none=True)
     auto: Any = traitlets.Unicode(AUTO)
 
     def __init__(self, lengths: Sequence[float], **look: Any) -> None:

@@ -12,6 +12,7 @@ from functools import partial
 from typing import NamedTuple
 
 from mechstyle.records import Recipe
+from mechstyle.records.mesh import VERTICES as POSSIBLE
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.records.regions import Region
 from mechstyle.records.simulation import LIKE_ASKED
@@ -69,7 +70,8 @@ class Preview:
             return None
         most, what = max(times)
         largest = most * math.sqrt(coarser)
-        return Enlarged(what, largest, math.ceil(drawn * most**2 / 1000.0) * 1000) if largest > LIKE_ASKED else None
+        would = min(math.ceil(drawn * most**2 / 1000.0) * 1000, POSSIBLE[1])
+        return Enlarged(what, largest, would) if largest > LIKE_ASKED else None
 
 
 class _Wish(NamedTuple):

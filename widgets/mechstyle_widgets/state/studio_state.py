@@ -15,6 +15,7 @@ from typing import Any
 
 import traitlets
 
+from mechstyle.errors import MechStyleError
 from mechstyle.loop.engine import Checkpointed, Corrected, Event, Finished, SimulationStarted, Stylized
 from mechstyle.loop.history import Branch, Row, lanes, per_iteration, rows
 from mechstyle.loop.store import Store
@@ -198,14 +199,34 @@ class StudioState(traitlets.HasTraits):
         return self._tested(store, checkpoint.simulation)
 
     @traitlets.validate("iteration")
-    def _within_lane(self, proposal: dict[str, Any]) -> int:
-        return max(0, min(proposal["value"], self.iterations_done))
+    def _within_reach(self, proposal: dict[str, Any]) -> int:
+        """The nearest iteration of the lane; the one on show where that cannot be read any more, which is said."""
+        wanted = max(0, min(proposal["value"], self.iterations_done))
+        if wanted == self.iteration or self.run is None:
+            return wanted
+        try:
+            self.run.store.lane(self.lane)  # what was read before is still in memory once its folder is gone
+            self.checkpoint_at(wanted)
+        except Exception as error:  # noqa: BLE001 — whatever it is, it is said
+            self.alert(error)
+            return self.iteration
+        return wanted
 
     @traitlets.validate("lane")
     def _there(self, proposal: dict[str, Any]) -> str:
-        if self.run is not None:
+        if self.run is not None and proposal["value"] != self.lane:
             self.run.store.lane(proposal["value"])  # refuses a lane that is not there
         return proposal["value"]
+
+    def go_to(self, lane: str, iteration: int | None = None) -> None:
+        """Show a lane, and perhaps another iteration of it; what cannot be shown is said."""
+        try:
+            self.lane = lane
+        except MechStyleError as error:
+            self.alert(error)
+            return
+        if iteration is not None:
+            self.iteration = iteration
 
     @traitlets.observe("lane")
     def _other_lane(self, change: dict[str, Any]) -> None:
@@ -332,22 +353,31 @@ class Linked(traitlets.HasTraits):
 
     lane = traitlets.Unicode("main")
     iteration = traitlets.Int(0)
-    _links: tuple[Any, ...] = ()
+    _links: tuple[str, ...] = ()
 
     def link(self, state: StudioState, *names: str) -> None:
-        """Link lane, iteration and the given traits to a state, both ways, until `unlink`."""
-        self._state = state
-        self._links = tuple(traitlets.link((state, name), (self, name)) for name in ("lane", "iteration", *names))
+        """Let lane, iteration and the given traits be those of a state, both ways, until `unlink`."""
+        self._state, self._links = state, ("lane", "iteration", *names)
+        for name in self._links:
+            self._hear_state({"name": name})
+        state.observe(self._hear_state, self._links)
+        self.observe(self._tell_state, self._links)
 
     def unlink(self) -> None:
         """Undo `link`."""
-        for link in self._links:
-            link.unlink()
+        if self._links:
+            self._state.unobserve(self._hear_state, self._links)
+            self.unobserve(self._tell_state, self._links)
         self._links = ()
 
-    @traitlets.validate("iteration")
-    def _within_lane(self, proposal: dict[str, Any]) -> int:
-        return max(0, min(proposal["value"], self._state.iterations_done))
+    def _hear_state(self, change: Any) -> None:
+        setattr(self, change["name"], getattr(self._state, change["name"]))  # it may have gone on since
+
+    def _tell_state(self, change: Any) -> None:
+        try:
+            setattr(self._state, change["name"], change["new"])
+        finally:  # it may not have gone there
+            self._hear_state(change)
 
 
 def titled(part: str, prompt: str) -> str:

@@ -153,5 +153,5 @@ class Timeline(Linked, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[mi
     def _clicked(self, trace: int, point: int) -> None:
         marks = self._curves.data[trace]
         if "customdata" in marks:
-            [self._state.lane] = marks["customdata"][point]
-            self.iteration = int(marks["x"][point])
+            [lane] = marks["customdata"][point]
+            self._state.go_to(lane, int(marks["x"][point]))

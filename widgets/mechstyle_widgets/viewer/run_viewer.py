@@ -66,7 +66,7 @@ class RunViewer(Linked, Viewer):
         if state.run is None or state.checkpoint is None:
             raise BadInput("there is no iteration to show yet: start a run, or open one with Run.open")
         self._catch_up, self._moment = Paced(self._show_checkpoint, state.alert), Paced(self._show_moment, state.alert)
-        self._newest, self._place = Newest(_seen, self._bring, state.alert), state.run.store.place
+        self._newest, self._place = Newest(_seen, self._bring, self._go_back), state.run.store.place
         self._drawn, self._drawn_lane = state.checkpoint.iteration, state.run.lane
         self._still = subject = _seen(_Wish(state.run, state.checkpoint, ()))
         original = subject_of(state.run, state.run.checkpoint(0))
@@ -221,6 +221,12 @@ class RunViewer(Linked, Viewer):
             self._show_moment()
         if not self._state.busy:
             self.renew_still()
+
+    def _go_back(self, error: Exception) -> None:
+        """Say why an iteration cannot be drawn, and let all that speak of what is on show speak of what is drawn."""
+        state = self._state
+        state.go_to(*self._drawn_place)
+        state.alert(error)
 
     def _show_moment(self) -> None:
         if self.layer == STAYS_BENT and self.player.impact is None:
