@@ -24,6 +24,8 @@ STANDARD_VERTICES = 100_000
 """Vertices of a standardised surface by default, at most: see `simulation.part.standardised`."""
 QUICK_VERTICES = 2_000
 """Vertices of a quick run, which has the same tests."""
+FEWEST_VERTICES, MOST_VERTICES = 500, 400_000
+"""What may be asked for."""
 
 
 def frozen_array(values: ArrayLike, dtype: Any, shape: tuple[int | None, ...], name: str) -> NDArray[Any]:

@@ -23,6 +23,7 @@ from mechstyle.geometry.level_base import LevelBase
 from mechstyle.geometry.mating import mating_ends
 from mechstyle.geometry.region_selection import inside, protection
 from mechstyle.geometry.remeshing import even as standardise
+from mechstyle.geometry.remeshing.evening import check_vertices
 from mechstyle.geometry.remeshing.filling import VERSION as TETRAHEDRA
 from mechstyle.geometry.remeshing.filling import fill
 from mechstyle.geometry.resting_face import resting_face
@@ -300,11 +301,6 @@ def logged(sentences: Sequence[str]) -> None:
         logger.warning("%s", sentence)
 
 
-def with_wall_warning(prepare: Callable[..., Workpiece], minimum: float, warn: Warn | None) -> Callable[..., Workpiece]:
-    """What prepares a surface, as it is or warning of a part's walls below a minimum [mm] before the minutes that tetrahedra may take."""
-    return prepare if warn is None else partial(prepare, measured=lambda shape: warn(shape.too_thin(minimum)))
-
-
 def refilled(part: Workpiece, relief: Relief, stage: Stage = no_progress, go_on: CancelCheck = never_cancel) -> Workpiece:
     """A part with tetrahedra that carry another relief; as it is if that is not known, or if it came with its own, as in `prepare`.
 
@@ -330,6 +326,7 @@ def standardised(mesh: SurfaceMesh, vertices: int, go_on: CancelCheck = never_ca
     """
     if isinstance(mesh, Model) and mesh.tets is not None:
         return SurfaceMesh(mesh.vertices, mesh.faces, mesh.colours)
+    check_vertices(vertices)
     known = standardised_before(mesh, vertices)
     if known is not None:
         return known

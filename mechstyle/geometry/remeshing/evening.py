@@ -21,9 +21,13 @@ from mechstyle.geometry.remeshing.decimation import decimated
 from mechstyle.geometry.remeshing.isotropic import isotropic
 from mechstyle.geometry.remeshing.tolerances import TOL
 from mechstyle.geometry.remeshing.topology import EdgePairs, edge_pairs, edges_of
-from mechstyle.records.mesh import STANDARD_VERTICES, Floats, SurfaceMesh
+from mechstyle.records.mesh import FEWEST_VERTICES, MOST_VERTICES, STANDARD_VERTICES, Floats, SurfaceMesh
 
-FEWEST, MOST = 500, 400_000
+
+def check_vertices(vertices: int) -> None:
+    """Refuse a number of vertices to which no surface is standardised."""
+    if not FEWEST_VERTICES <= vertices <= MOST_VERTICES:
+        raise BadInput(f"cannot standardise to {vertices} vertices: ask for {FEWEST_VERTICES} to {MOST_VERTICES}")
 
 
 def even(mesh: SurfaceMesh, vertices: int = STANDARD_VERTICES, go_on: CancelCheck = never_cancel) -> SurfaceMesh:
@@ -43,8 +47,7 @@ def even(mesh: SurfaceMesh, vertices: int = STANDARD_VERTICES, go_on: CancelChec
     Raises:
         BadInput: If the count is not 500 to 400 000 or cannot be reached, or the surface is not closed.
     """
-    if not FEWEST <= vertices <= MOST:
-        raise BadInput(f"cannot standardise to {vertices} vertices: ask for {FEWEST} to {MOST}")
+    check_vertices(vertices)
     body = manifold_of(mesh)
     if body.status() != manifold3d.Error.NoError or body.is_empty():
         raise BadInput("cannot standardise a surface that is not closed; load it with mechstyle, which repairs it or says why not")
