@@ -19,7 +19,8 @@ UsageError: type[Exception] = typer.BadParameter.__bases__[0]
 """What is wrong with a command line: Click's, or that of the Click within newer versions of typer."""
 NUMBERS = re.compile(r"Input should be (?:a valid (integer|number), unable to parse.*|(greater|less) than or equal to (\S+))")
 NUMBER = {
-    "integer": "give a whole number, such as 40", "number": "give a number, such as 1.5", "greater": "give at least ", "less": "give at most ",
+    "integer": "give a whole number, such as 40", "number": "give a number, such as 1.5",
+    "greater": "give at least ", "less": "give at most ",
 }  # fmt: skip
 """What is said of a word where a number must stand, and of a number that is too small or too large."""
 AS_JSON = "mechstyle.as_json"

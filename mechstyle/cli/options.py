@@ -31,9 +31,7 @@ OF_MACHINE = partial(typer.Option, rich_help_panel=MACHINE)
 DETAIL = "Vertices of the surface; beyond 25 000 only as many as edges of 0.6 mm need."
 OF_VERTICES = partial(OF_MACHINE, help=DETAIL, min=FEWEST_VERTICES, max=MOST_VERTICES)
 Vertices = Annotated[int, OF_VERTICES()]
-RunVertices = Annotated[
-    int | None, OF_VERTICES("--vertices", show_default=f"{STANDARD_VERTICES}; {QUICK_VERTICES} with --quick")
-]
+RunVertices = Annotated[int | None, OF_VERTICES("--vertices", show_default=f"{STANDARD_VERTICES}; {QUICK_VERTICES} with --quick")]
 Quick = Annotated[bool, OF_MACHINE("--quick", help="A first answer in about a minute: the same tests of fewer vertices.")]
 Device = Annotated[str, OF_MACHINE(help="auto, cpu or cuda.")]
 REGIONS = f"A region is one of: {', '.join(KINDS.values())}; then, if wanted, ramp MM and colour."

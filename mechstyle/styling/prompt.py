@@ -87,7 +87,7 @@ class Wish(msgspec.Struct, frozen=True):
     @property
     def words(self) -> str:
         """What it asks for, in one line."""
-        parts = [self.style.replace("_", " ") or "plain"]
+        parts = [english.spoken(self.style) or "plain"]
         for what, length, factor in (("features", self.feature, self.size), ("relief", self.relief, self.amount)):
             if length is not None:
                 parts.append(f"{what} of {length:g} mm")
@@ -158,7 +158,7 @@ def read(prompt: str, *, picture: bool = False) -> Reading:
         raise _unknown_prompt(prompt, found, [item for item in unwanted if is_style(item)])
     wishes = _apart(_inherited([_wish(clause, notes) for clause in clauses if clause.named or clause.described]), notes)
     if picture and all(wish.style != OWN for wish in wishes):
-        names = quoted(_spoken(wish.style) for wish in wishes if wish.style)
+        names = quoted(english.spoken(wish.style) for wish in wishes if wish.style)
         way = "give each its place, such as `outside: picture; rim: brick`"
         raise BadInput(f"the prompt {prompt!r} names {names}, but not the picture: {way}")
     return Reading(wishes, (*notes, *_left_out(clauses, unwanted, wishes)))
@@ -170,7 +170,7 @@ def _check_said(kept: Sequence[Item], unwanted: Sequence[Item]) -> None:
     if places:
         raise BadInput(f"{quoted(places)} in the prompt is {NO_PLACE}; `--protect` keeps such a place plain")
     if stuff := unknown_stuff(kept):
-        near = ", ".join(repr(_spoken(name)) for name in suggestions(" ".join(stuff)))
+        near = ", ".join(repr(english.spoken(name)) for name in suggestions(" ".join(stuff)))
         raise BadInput(
             f"the prompt asks for something made of {quoted(stuff)}, which is no style: try {near}; `mechstyle styles` lists them all"
         )
@@ -263,7 +263,7 @@ def _style(items: Sequence[Item], notes: list[str]) -> tuple[str, set[str], tupl
     word, chosen = next((one for one in strongest if not any(one[0] is item for item in describing)), strongest[0])
     others = sorted({style.style for item, style in found if not style.near and meaning(item) not in english.COLOURS} - {chosen.style})
     if others:
-        way = f"for both, give each its place, such as `outside: {_spoken(chosen.style)}; rim: {_spoken(others[0])}`"
+        way = f"for both, give each its place, such as `outside: {english.spoken(chosen.style)}; rim: {english.spoken(others[0])}`"
         notes.append(f"one style at one place: took {chosen.style!r}, left out {quoted(others)}; {way}")
     if chosen.near and isinstance(word, Word) and word.text.replace(" ", "_") != chosen.style:
         notes.append(f"read {word.text or word.means.removeprefix('~')!r} as {chosen.words}")
@@ -356,7 +356,7 @@ def _apart(wishes: tuple[Wish, ...], notes: list[str]) -> tuple[Wish, ...]:
     """The wishes with one at most for all of the part, the last: "leather handle and wooden body"; a note is added on the others."""
     everywhere = [wish for wish in wishes if not wish.where and not wish.spared]
     if len({wish.style for wish in everywhere}) > 1:
-        took, *others = (_spoken(wish.style) for wish in reversed(everywhere))
+        took, *others = (english.spoken(wish.style) for wish in reversed(everywhere))
         notes.append(f"one style at one place: took {took!r}, left out {quoted(others)}; give each a place")
     return tuple(wish for wish in wishes if wish not in everywhere[:-1])
 
@@ -416,7 +416,7 @@ def _unknown_prompt(prompt: str, found: Sequence[Word], unwanted: Sequence[Item]
         return BadInput(f"the prompt {prompt!r} asks for a picture: give its file, with `--image` or image=")
     beyond = next((word for word in found if word.means in english.BEYOND), None)
     avoided = {style.style for item in unwanted if (style := style_of(item))}
-    near = [_spoken(style) for style in suggestions(prompt, SUGGESTED + len(avoided)) if style not in avoided][:SUGGESTED]
+    near = [english.spoken(style) for style in suggestions(prompt, SUGGESTED + len(avoided)) if style not in avoided][:SUGGESTED]
     colour = next((word.text for word in found if word.means in english.COLOURS), "")
     said = "no style that can be drawn offline" if not colour else "only a colour and no style"
     listed = "; `mechstyle styles` lists them all"
@@ -445,7 +445,7 @@ def _names(word: Word, notes: Sequence[str]) -> bool:
 
 
 def _meant(prompt: str, style: str) -> Reading:
-    said = f"read {prompt!r} as {_spoken(style)} by its meaning"
+    said = f"read {prompt!r} as {english.spoken(style)} by its meaning"
     return Reading((Wish(style),), (said,), settled=f"{prompt}, {_spoken(style)}")
 
 

@@ -163,7 +163,8 @@ def _next_word(tokens: list[str], language: str) -> tuple[int, list[str], str]:
     count, found = max((_phrase(tokens, one) for one in dict.fromkeys([language, ""])), key=lambda phrase: phrase[0])
     if count and not (language and count == 1 and found in weak() and first not in _dictionary(language)):
         return count, [found], ""
-    means, guess = _unlisted(first, language)
+    small = small_words_abroad().get(first, "")
+    means, guess = ([small], "") if small else _unlisted(first, language)
     return 1, means, guess
 
 
@@ -267,8 +268,6 @@ def _phrase(tokens: Sequence[str], language: str) -> tuple[int, str]:
 
 def _unlisted(word: str, language: str) -> tuple[list[str], str]:
     """What a word means that no dictionary lists as it is, and a note if that was guessed: inflected, foreign, compound, misspelt."""
-    if small := small_words_abroad().get(word):
-        return [small], ""
     if word != (bare := _bare(word)):
         return _unlisted_accented(word, bare, language)
     if found := _known(word, language) or (_known(word, "") if not language or _known(word, "") not in weak() else ""):
