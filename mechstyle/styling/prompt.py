@@ -158,7 +158,7 @@ def read(prompt: str, *, picture: bool = False) -> Reading:
         raise _unknown_prompt(prompt, found, [item for item in unwanted if is_style(item)])
     wishes = _apart(_inherited([_wish(clause, notes) for clause in clauses if clause.named or clause.described]), notes)
     if picture and all(wish.style != OWN for wish in wishes):
-        names = quoted(english.spoken(wish.style) for wish in wishes if wish.style)
+        names = quoted(_spoken(wish.style) for wish in wishes if wish.style)
         way = "give each its place, such as `outside: picture; rim: brick`"
         raise BadInput(f"the prompt {prompt!r} names {names}, but not the picture: {way}")
     return Reading(wishes, (*notes, *_left_out(clauses, unwanted, wishes)))
@@ -170,7 +170,7 @@ def _check_said(kept: Sequence[Item], unwanted: Sequence[Item]) -> None:
     if places:
         raise BadInput(f"{quoted(places)} in the prompt is {NO_PLACE}; `--protect` keeps such a place plain")
     if stuff := unknown_stuff(kept):
-        near = ", ".join(repr(english.spoken(name)) for name in suggestions(" ".join(stuff)))
+        near = ", ".join(repr(_spoken(name)) for name in suggestions(" ".join(stuff)))
         raise BadInput(
             f"the prompt asks for something made of {quoted(stuff)}, which is no style: try {near}; `mechstyle styles` lists them all"
         )
@@ -416,7 +416,7 @@ def _unknown_prompt(prompt: str, found: Sequence[Word], unwanted: Sequence[Item]
         return BadInput(f"the prompt {prompt!r} asks for a picture: give its file, with `--image` or image=")
     beyond = next((word for word in found if word.means in english.BEYOND), None)
     avoided = {style.style for item in unwanted if (style := style_of(item))}
-    near = [english.spoken(style) for style in suggestions(prompt, SUGGESTED + len(avoided)) if style not in avoided][:SUGGESTED]
+    near = [_spoken(style) for style in suggestions(prompt, SUGGESTED + len(avoided)) if style not in avoided][:SUGGESTED]
     colour = next((word.text for word in found if word.means in english.COLOURS), "")
     said = "no style that can be drawn offline" if not colour else "only a colour and no style"
     listed = "; `mechstyle styles` lists them all"
