@@ -263,8 +263,9 @@ def _style(items: Sequence[Item], notes: list[str]) -> tuple[str, set[str], tupl
     word, chosen = next((one for one in strongest if not any(one[0] is item for item in describing)), strongest[0])
     others = sorted({style.style for item, style in found if not style.near and meaning(item) not in english.COLOURS} - {chosen.style})
     if others:
-        way = f"for both, give each its place, such as `outside: {english.spoken(chosen.style)}; rim: {english.spoken(others[0])}`"
-        notes.append(f"one style at one place: took {chosen.style!r}, left out {quoted(others)}; {way}")
+        took, *left = map(english.spoken, (chosen.style, *others))
+        way = f"for both, give each its place, such as `outside: {took}; rim: {left[0]}`"
+        notes.append(f"one style at one place: took {took!r}, left out {quoted(left)}; {way}")
     if chosen.near and isinstance(word, Word) and word.text.replace(" ", "_") != chosen.style:
         notes.append(f"read {word.text or word.means.removeprefix('~')!r} as {chosen.words}")
     return chosen.style, {meaning(item) for item, style in found if style.style == chosen.style}, chosen.colours
