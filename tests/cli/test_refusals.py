@@ -44,7 +44,6 @@ def refused(mechstyle, *arguments, code=2):
         (("--prompt", "brick", "--sliced", "gone.gcode"), "gone.gcode: No such file or directory: name the G-code"),
         (("--prompt", "brick", "--minimum-wall", "-1"), "minimum wall is -1"),
         (("--prompt", "brick", "--load", "none.toml"), "load file none.toml does not exist"),
-        (("--prompt", "brick", "--vertices", "10"), "vertices"),
         (("--prompt", "brick", "--device", "cuda"), "device"),
         (("--prompt", "brick", "--device", "tpu"), "unknown device 'tpu'"),
         (("--prompt", "brick", "--guidance", "clp"), "unknown guidance 'clp': did you mean 'clip'"),
