@@ -6,6 +6,7 @@ import difflib
 import inspect
 import unicodedata
 from collections.abc import Callable, Iterable
+from pathlib import Path
 from typing import Any
 
 
@@ -55,16 +56,24 @@ LISTED = 12
 """Most known names that a refusal lists beside one that comes near."""
 
 
-def unknown(kind: str, name: str, known: Iterable[str]) -> BadInput:
-    """The error for a name that is not in a list, with the nearest known names first; of a long list only those, if any."""
+def unknown(kind: str, name: str, known: Iterable[str], *, lists: str = "") -> BadInput:
+    """The error for a name that is not in a list, with the nearest known names first; of a long list only those, or who lists it."""
     names = sorted(filter(None, known))
     by_small_letters = {other.lower(): other for other in names}
     near = [by_small_letters[match] for match in difflib.get_close_matches(name.lower(), by_small_letters, n=3, cutoff=0.5)]
     ordered = near + [other for other in names if other not in near]
     if near and len(names) > LISTED:
         return BadInput(f"unknown {kind} {name!r}: did you mean {' or '.join(map(repr, near))}?")
+    if lists and len(names) > LISTED:
+        return BadInput(f"unknown {kind} {name!r}: {lists} lists what is known")
     hint = f"did you mean {near[0]!r}? " if near else ""
     return BadInput(f"unknown {kind} {name!r}: {hint}known are {', '.join(ordered)}")
+
+
+def absent(path: str | Path, what: str = "") -> BadInput:
+    """The error for a path at which there is nothing, with the folder in which it was looked for; `what` it should be."""
+    where = "" if Path(path).is_absolute() else f" in {Path.cwd()}"
+    return BadInput(f"{what}{' ' if what else ''}{path} does not exist{where}; check the path")
 
 
 def check_known(function: Callable[..., Any], given: Iterable[str], others: Iterable[str] = ()) -> None:
@@ -72,4 +81,5 @@ def check_known(function: Callable[..., Any], given: Iterable[str], others: Iter
     taken = {name for name, one in inspect.signature(function).parameters.items() if one.kind is not one.VAR_KEYWORD}
     for name in given:
         if name not in {*taken, *others}:
-            raise unknown("setting" if others else f"argument of {function.__name__}", name, {*taken, *others})
+            kind, lists = ("setting", "docs/settings.md") if others else (f"argument of {function.__name__}", "")
+            raise unknown(kind, name, {*taken, *others}, lists=lists)

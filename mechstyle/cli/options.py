@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import difflib
 import functools
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass
 from functools import partial
 from inspect import Parameter, Signature
@@ -13,9 +14,10 @@ from typing import Annotated, Any
 
 import typer
 
+from mechstyle.errors import BadInput
 from mechstyle.gallery import PREFIX, use_of
 from mechstyle.records.mesh import QUICK_VERTICES, STANDARD_VERTICES
-from mechstyle.records.recipe import CHAPTER_OF, DEFAULTS, OPTIONS, TYPES, described
+from mechstyle.records.recipe import CHAPTER_OF, DEFAULTS, OPTIONS, SETTINGS, TYPES, described
 from mechstyle.records.regions import KINDS
 from mechstyle.records.written import READERS, written
 
@@ -134,6 +136,7 @@ def recipe_options(
         def wrapped(**given: Any) -> None:
             settings = {option.name: given.pop(option.name) for option in options}
             settings.pop("help_all", None)
+            _check_no_option(settings.get("others") or (), {*given, *READING} - {"reading", "model"})
             function(**given, settings=_used(**settings))
 
         wrapped.__signature__ = _joined(inspect.signature(function, eval_str=True), options)  # type: ignore[attr-defined]
@@ -194,6 +197,14 @@ def _joined(signature: Signature, options: list[Parameter], replaced: str = "set
     own = [parameter.replace(kind=Parameter.KEYWORD_ONLY) for parameter in signature.parameters.values()]
     place = [parameter.name for parameter in own].index(replaced)
     return signature.replace(parameters=[*own[:place], *options, *own[place + 1 :]])
+
+
+def _check_no_option(others: Iterable[str], options: Collection[str]) -> None:
+    """Refuse for --set what is an option by itself, however misspelt, and no setting of the recipe."""
+    for name in (text.partition("=")[0] for text in others):
+        near = difflib.get_close_matches(name, [*SETTINGS, *options], n=1)
+        if near and near[0] in options:
+            raise BadInput(f"--set {name}: no setting of the recipe, but an option of its own: write --{near[0].replace('_', '-')}")
 
 
 def _used(others: list[str] | None = None, **settings: Any) -> Settings:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib.util
 import subprocess
 import sys
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -27,6 +28,19 @@ def studio_command(
     """Open the Studio in a browser, on this machine alone, without a notebook."""
     if importlib.util.find_spec("jupyterlab") is None or importlib.util.find_spec("mechstyle_widgets") is None:
         raise BadInput("the Studio needs JupyterLab, which is not installed: pip install 'mechstyle[jupyter]'")
+    if part:
+        _check_part(part)
     given = [*([part] if part else []), "--language", language, "--port", str(port), *([] if browser else ["--no-browser"])]
     ended = subprocess.run([sys.executable, "-m", "mechstyle_widgets", *given], check=False)  # noqa: S603 — our own module
     raise typer.Exit(ended.returncode)
+
+
+def _check_part(part: str) -> None:
+    """Refuse what is neither a model of the gallery, nor a file, nor a run, before a server is started for it."""
+    from mechstyle.gallery import PREFIX, addressed, entry  # noqa: PLC0415 — loaded when wanted
+    from mechstyle.loop.store import Store, parse_address  # noqa: PLC0415
+
+    if part.startswith(PREFIX):
+        entry(part.removeprefix(PREFIX))
+    elif not Path(addressed(part)[0]).is_file():
+        Store.open(parse_address(part)[0])

@@ -56,7 +56,7 @@ def entry(name: str) -> Entry:
     from mechstyle.errors import unknown  # noqa: PLC0415 — rooms load nothing by themselves
 
     if name not in _catalogue():
-        raise unknown("gallery model", name, _catalogue())
+        raise unknown("gallery model", name, _catalogue(), lists="`mechstyle gallery`")
     return _catalogue()[name]
 
 

@@ -25,7 +25,7 @@ import numpy as np
 import trimesh
 
 from mechstyle._files import write_aside
-from mechstyle.errors import BadInput, unknown
+from mechstyle.errors import BadInput, absent, unknown
 from mechstyle.geometry import step
 from mechstyle.geometry.claims import MOST_BYTES, MOST_FACES, Beyond, check_claims, stl_length
 from mechstyle.geometry.glb import DULL, Sheen, glb_bytes, plain
@@ -234,8 +234,7 @@ def is_there(path: Path) -> bool:
 def _check_there(file: Path) -> None:
     """Refuse what is no file, with the folder in which a path that is not there was looked for."""
     if not is_there(file):
-        where = "" if file.is_absolute() else f" in {Path.cwd()}"
-        raise BadInput(f"{file} does not exist{where}; check the path")
+        raise absent(file)
     if not file.is_file():
         raise BadInput(f"{file} is a folder, not a file; name the mesh file itself")
 

@@ -21,7 +21,7 @@ from typing import Any, TypeVar
 import msgspec
 
 from mechstyle._files import exclusive, write_whole
-from mechstyle.errors import BadInput, DamagedStore, unknown
+from mechstyle.errors import BadInput, DamagedStore, absent, unknown
 from mechstyle.loop.objects import Memo, Objects, read_record
 from mechstyle.records import Checkpoint, Recipe, Verdict
 
@@ -94,6 +94,8 @@ class Store:
     def open(cls, root: str | Path) -> Store:
         """An existing run directory, or BadInput."""
         store = cls(root)
+        if not store.place.exists():
+            raise absent(root)
         if not store.lanes():
             raise BadInput(f"{root} is not a run directory: it holds no lanes/*.json; give the folder that `mechstyle run --out` wrote")
         return store

@@ -20,7 +20,7 @@ from typing import Any, Literal
 
 import msgspec
 
-from mechstyle.errors import BadInput
+from mechstyle.errors import BadInput, absent
 from mechstyle.records.mesh import Bools, Floats, in_ball, in_box, in_half_space
 from mechstyle.records.regions import Box, HalfSpace, Region, Sphere, regions
 from mechstyle.records.written import read_table
@@ -187,7 +187,7 @@ def read_loads(path: str | Path) -> tuple[LoadCase, ...]:
     """The load cases of a TOML file; BadInput names the file, the case and the key that cannot be used."""
     file = Path(path)
     if not file.exists():
-        raise BadInput(f"load file {file} does not exist")
+        raise absent(file, "load file")
     try:
         table = read_table(file)
     except ValueError as error:

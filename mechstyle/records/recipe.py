@@ -473,7 +473,7 @@ def _by_chapter(settings: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
     given: dict[str, dict[str, Any]] = {chapter: {} for chapter in CHAPTERS}
     for name, value in settings.items():
         if name not in _PLACES:
-            raise unknown("setting", name, SETTINGS)
+            raise unknown("setting", name, SETTINGS, lists="docs/settings.md")
         chapter, attribute = _PLACES[name]
         given[chapter][attribute] = value
     return given

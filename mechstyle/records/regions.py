@@ -248,7 +248,7 @@ def region(text: str) -> Region:
     """
     kind, *words = text.lower().split() or [""]
     if kind not in KINDS:
-        raise unknown("region to protect", kind, KINDS)
+        raise unknown("region to protect", kind, KINDS, lists="`mechstyle protect --help`")
     try:
         ramp, colour = _option(words, "ramp", 1), _option(words, "colour", 0) is not None
         made = _MAKERS[kind](*(float(word) for word in words))

@@ -40,13 +40,11 @@ def folder_for(out: Path, recipe: Recipe, *, beside: bool) -> Path:
     Raises:
         BadInput: If `out` holds no run but something else, or another run and `beside` is False.
     """
-    if _holds_something_else(out):
-        raise BadInput(f"{out} exists and is not a run directory: choose another --out")
+    _check_kind(out)
     if _takes(out, recipe):
         return out
     if not beside:
-        command = f"mechstyle branch {shlex.quote(f'{out}@ITERATION')}"
-        raise BadInput(f"{out} holds a run with other settings: choose another --out, or branch it with `{command}`")
+        raise _taken(out, recipe)
     named = out if out.name not in ("", "..") else out.resolve()
     numbered = (named.with_name(f"{named.name}-{number}") for number in itertools.count(2))
     found = next(place for place in numbered if not _holds_something_else(place) and _takes(place, recipe))
@@ -54,11 +52,30 @@ def folder_for(out: Path, recipe: Recipe, *, beside: bool) -> Path:
     return found
 
 
-def check_free(out: Path) -> None:
-    """Refuse a run directory that another process is carrying on, before the minutes that a part takes to be made ready."""
+def check_free(out: Path, recipe: Recipe, *, beside: bool) -> None:
+    """Refuse what `folder_for` would refuse, before the minutes that a part takes to be made ready; meshes not known yet do not count.
+
+    Also refused is a run directory that another process is carrying on.
+    """
+    _check_kind(out)
     if (lock := out / "locks" / "main.lock").is_file():
         with exclusive(lock, f"lane 'main' of {out}"):
             pass
+    if not (beside or _takes(out, recipe)):
+        raise _taken(out, recipe)
+
+
+def _check_kind(out: Path) -> None:
+    if _holds_something_else(out):
+        raise BadInput(f"{out} exists and is not a run directory: choose another --out")
+
+
+def _taken(out: Path, recipe: Recipe) -> BadInput:
+    """The error for a folder that holds another run."""
+    if _takes(out, recipe.on(surface="")):
+        return BadInput(f"{out} holds a run of another part: choose another --out")
+    command = f"mechstyle branch {shlex.quote(f'{out}@ITERATION')}"
+    return BadInput(f"{out} holds a run with other settings: choose another --out, or branch it with `{command}`")
 
 
 def _holds_something_else(place: Path) -> bool:
@@ -69,9 +86,12 @@ def _holds_something_else(place: Path) -> bool:
 
 
 def _takes(place: Path, recipe: Recipe) -> bool:
-    """Whether a run of this recipe is there, or none at all."""
-    store = Store(place)
-    return "main" not in store.lanes() or store.recipe(store.lane().recipe).on(tetrahedra=recipe.test.specimen.tetrahedra) == recipe
+    """Whether a run of this recipe is there, or none at all; of a recipe without a surface, on any part."""
+    store, specimen = Store(place), recipe.test.specimen
+    if "main" not in store.lanes():
+        return True
+    kept = store.recipe(store.lane().recipe).on(tetrahedra=specimen.tetrahedra)
+    return (kept if specimen.surface else kept.on(surface="")) == recipe
 
 
 class PartRecord(msgspec.Struct, frozen=True, kw_only=True):

@@ -140,7 +140,7 @@ def check_settings(settings: dict[str, Any]) -> None:
     """Refuse a setting no recipe has, with the nearest names."""
     for name in settings:
         if name not in SETTINGS:
-            raise unknown("setting", name, SETTINGS)
+            raise unknown("setting", name, SETTINGS, lists="docs/settings.md")
 
 
 def check_figure(name: str, value: Any) -> None:

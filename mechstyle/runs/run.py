@@ -35,19 +35,7 @@ from mechstyle.runs.recipes import changed, draft, expected, idle
 from mechstyle.runs.session import Session
 from mechstyle.runs.stylizers import finished_style, stylizer_for
 from mechstyle.runs.summary import Clock, Summary, summarise
-from mechstyle.simulation.part import (
-    Origin,
-    Shape,
-    Stage,
-    Warn,
-    Workpiece,
-    bounds_for,
-    cached_memo,
-    fitted,
-    logged,
-    prepare,
-    with_wall_warning,
-)
+from mechstyle.simulation.part import Origin, Shape, Stage, Warn, Workpiece, bounds_for, cached_memo, fitted, logged, prepare
 from mechstyle.simulation.simulator import DropSimulator
 from mechstyle.simulation.strengthen import made_ready
 
@@ -384,10 +372,11 @@ def started(
     """
     folder = None if out is None else Path(out)
     if folder is not None:
-        check_free(folder)
+        check_free(folder, wanted, beside=beside)
     relief = partial(_relief, wanted, shown, folder, name=name, beside=beside)
     device, clock = resolve_device(device), Clock()
-    prepare = with_wall_warning(prepare, wanted.delivery.minimum_wall, warn)
+    if warn is not None:
+        prepare = partial(prepare, measured=partial(_measured, wanted, folder, warn, beside=beside))
     with clock.stages(stage) as begun:
         origin = Origin.of(part, vertices) if isinstance(part, SurfaceMesh) else origin
         part = made_ready(part, wanted, relief, prepare=prepare, vertices=vertices, device=device, stage=begun, go_on=go_on)
@@ -395,3 +384,10 @@ def started(
     run = begin(part, recipe, default_folder(recipe) if out is None else out, name=name, device=device, origin=origin, beside=beside)
     run.clock.add(clock.seconds())
     return run
+
+
+def _measured(wanted: Recipe, folder: Path | None, warn: Warn, shape: Shape, *, beside: bool) -> None:
+    """Warn of a part's walls, and refuse the folder of another part's run, before the minutes that tetrahedra may take."""
+    warn(shape.too_thin(wanted.delivery.minimum_wall))
+    if folder is not None and not wanted.delivery.strengthen:  # which gives another surface
+        check_free(folder, wanted.on(surface=shape.surface.digest), beside=beside)

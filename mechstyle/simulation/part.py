@@ -300,11 +300,6 @@ def logged(sentences: Sequence[str]) -> None:
         logger.warning("%s", sentence)
 
 
-def with_wall_warning(prepare: Callable[..., Workpiece], minimum: float, warn: Warn | None) -> Callable[..., Workpiece]:
-    """What prepares a surface, as it is or warning of a part's walls below a minimum [mm] before the minutes that tetrahedra may take."""
-    return prepare if warn is None else partial(prepare, measured=lambda shape: warn(shape.too_thin(minimum)))
-
-
 def refilled(part: Workpiece, relief: Relief, stage: Stage = no_progress, go_on: CancelCheck = never_cancel) -> Workpiece:
     """A part with tetrahedra that carry another relief; as it is if that is not known, or if it came with its own, as in `prepare`.
 

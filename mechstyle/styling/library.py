@@ -67,7 +67,7 @@ def style_named(name: str) -> Style:
     if name == picture.NAME:
         return picture.STYLE
     if name not in names():
-        raise unknown("style", name, names())
+        raise unknown("style", name, names(), lists="`mechstyle styles`")
     module = next((family for family, members in FAMILIES.items() if name in members), name)
     style: Style = getattr(importlib.import_module(f"{styles.__name__}.{module}"), name)
     return style

@@ -87,7 +87,7 @@ class Wish(msgspec.Struct, frozen=True):
     @property
     def words(self) -> str:
         """What it asks for, in one line."""
-        parts = [self.style.replace("_", " ") or "plain"]
+        parts = [english.spoken(self.style) or "plain"]
         for what, length, factor in (("features", self.feature, self.size), ("relief", self.relief, self.amount)):
             if length is not None:
                 parts.append(f"{what} of {length:g} mm")
@@ -263,8 +263,9 @@ def _style(items: Sequence[Item], notes: list[str]) -> tuple[str, set[str], tupl
     word, chosen = next((one for one in strongest if not any(one[0] is item for item in describing)), strongest[0])
     others = sorted({style.style for item, style in found if not style.near and meaning(item) not in english.COLOURS} - {chosen.style})
     if others:
-        way = f"for both, give each its place, such as `outside: {_spoken(chosen.style)}; rim: {_spoken(others[0])}`"
-        notes.append(f"one style at one place: took {chosen.style!r}, left out {quoted(others)}; {way}")
+        took, *left = map(english.spoken, (chosen.style, *others))
+        way = f"for both, give each its place, such as `outside: {took}; rim: {left[0]}`"
+        notes.append(f"one style at one place: took {took!r}, left out {quoted(left)}; {way}")
     if chosen.near and isinstance(word, Word) and word.text.replace(" ", "_") != chosen.style:
         notes.append(f"read {word.text or word.means.removeprefix('~')!r} as {chosen.words}")
     return chosen.style, {meaning(item) for item, style in found if style.style == chosen.style}, chosen.colours
@@ -356,7 +357,7 @@ def _apart(wishes: tuple[Wish, ...], notes: list[str]) -> tuple[Wish, ...]:
     """The wishes with one at most for all of the part, the last: "leather handle and wooden body"; a note is added on the others."""
     everywhere = [wish for wish in wishes if not wish.where and not wish.spared]
     if len({wish.style for wish in everywhere}) > 1:
-        took, *others = (_spoken(wish.style) for wish in reversed(everywhere))
+        took, *others = (english.spoken(wish.style) for wish in reversed(everywhere))
         notes.append(f"one style at one place: took {took!r}, left out {quoted(others)}; give each a place")
     return tuple(wish for wish in wishes if wish not in everywhere[:-1])
 
@@ -445,7 +446,7 @@ def _names(word: Word, notes: Sequence[str]) -> bool:
 
 
 def _meant(prompt: str, style: str) -> Reading:
-    said = f"read {prompt!r} as {_spoken(style)} by its meaning"
+    said = f"read {prompt!r} as {english.spoken(style)} by its meaning"
     return Reading((Wish(style),), (said,), settled=f"{prompt}, {_spoken(style)}")
 
 

@@ -1,5 +1,7 @@
 """What the words of a prompt mean: `words.tsv`, an idea a row in thirteen languages, and `english.tsv`, what English words come near.
 
+`abroad.tsv` has small words of languages that no other table has, so that none of them is taken for a word of another one.
+
 A row of `words.tsv` has a kind, a value and the words for it; the first English one stands for them all. "_" joins words that mean it only
 next to each other, "+" those that do so in any order. The kinds of rows and their values:
 
@@ -70,7 +72,12 @@ class Meaning(NamedTuple):
     @property
     def words(self) -> str:
         """The style with its colours, as one says it."""
-        return " and ".join(self.colours) + " " * bool(self.colours) + self.style.replace("_", " ")
+        return " and ".join(self.colours) + " " * bool(self.colours) + spoken(self.style)
+
+
+def spoken(style: str) -> str:
+    """A style as one says it, so that it is taken for no colour."""
+    return "leaves" if style == "green" else style.replace("_", " ")
 
 
 @cache
@@ -87,6 +94,13 @@ def words_of(language: str) -> Mapping[str, str]:
     """English word that each word of a language stands for."""
     column = 1 + LANGUAGES.index(language)
     return {word: row.words[0][0] for row in rows("words") for word in row.words[column]}
+
+
+@cache
+def small_words_abroad() -> Mapping[str, str]:
+    """English word that each small word of languages that no table has stands for."""
+    lines = files(__package__).joinpath("abroad.tsv").read_text("utf-8").splitlines()[1:]
+    return {word: means for means, words in (line.split("\t") for line in lines) for word in words.split()}
 
 
 def _values(*kinds: str) -> dict[str, str]:

@@ -11,7 +11,7 @@ from functools import cache
 from typing import NamedTuple
 
 from mechstyle.styling import vocabulary as english
-from mechstyle.styling.vocabulary import SPACED, meanings, styles, weak, words_of
+from mechstyle.styling.vocabulary import SPACED, meanings, small_words_abroad, styles, weak, words_of
 
 MARKS = {":": ":", ";": ";", "\n": ";", "&": "and", "+": "and", "/": "and", **dict.fromkeys(",.、。()–—", ",")}
 """Punctuation that means something; the other has no meaning."""
@@ -36,10 +36,6 @@ _INFLECTION = {
         "(?:ами|ями|ого|его|ому|ему|ыми|ими|ая|яя|ое|ее|ые|ие|ый|ий|ой|ую|юю|ых|их|ым|им|ом|ем|ам|ям|ах|ях|ов|ев|ей|[аеиоуыьюя])$"
     ),
 } | dict.fromkeys(("French", "Spanish", "Portuguese", "Italian"), re.compile("(?:[aeio]?s?|x)$"))
-_ABROAD = re.compile(
-    r"\b(?:och|og|på|av|uden|utan|för|mellan|eller|uten|și|pentru|din|fără|jako|és|nélkül|egy|untuk|dengan|seperti|tanpa|yang|với)\b"
-)
-"""Small words of languages that no table has."""
 _LETTERS = frozenset("abcdefghijklmnopqrstuvwxyzàâäæáãçéèêëíìîïñóòôöõœúùûüÿßªºąćęłńśźżğışабвгдежзийклмнопрстуфхцчшщъыьэюя")
 """Letters of the languages of the tables, Korean aside."""
 _HANGUL = re.compile("[가-힣]")
@@ -87,7 +83,8 @@ def abroad(prompt: str) -> bool:
     """Whether a prompt is in a language that no table has, as its letters or small words say: in it a plaster may be honeycomb."""
     typed = _typed(prompt)
     words = re.findall(r"[^\W\d_]{2,}", typed)
-    return _ABROAD.search(typed) is not None or any(set(_HANGUL.sub("", word)) - _LETTERS and not _is_eastern(word) for word in words)
+    small = not small_words_abroad().keys().isdisjoint(words)
+    return small or any(set(_HANGUL.sub("", word)) - _LETTERS and not _is_eastern(word) for word in words)
 
 
 def quoted(texts: Iterable[str]) -> str:
@@ -166,7 +163,8 @@ def _next_word(tokens: list[str], language: str) -> tuple[int, list[str], str]:
     count, found = max((_phrase(tokens, one) for one in dict.fromkeys([language, ""])), key=lambda phrase: phrase[0])
     if count and not (language and count == 1 and found in weak() and first not in _dictionary(language)):
         return count, [found], ""
-    means, guess = _unlisted(first, language)
+    small = small_words_abroad().get(first, "")
+    means, guess = ([small], "") if small else _unlisted(first, language)
     return 1, means, guess
 
 
@@ -224,6 +222,8 @@ def _english(word: str) -> str:
 
 def _known(word: str, language: str) -> str:
     """English word that one word of a language stands for, whatever its ending; "" if it is none."""
+    if word in small_words_abroad():
+        return ""
     if not language:
         if word.endswith(_COMPARED) and word not in meanings():  # a bagger is no bag, and a bumper, which is a thing, no bump
             return "" if english.hints(word) else next((form for form in _forms(word) if form in meanings() and form not in weak()), "")

@@ -209,8 +209,8 @@ def test_lane_names_that_are_refused_with_nothing_written(store, name):
 
 def test_a_store_is_opened_where_there_are_lanes_only(store, tmp_path):
     (tmp_path / "file").write_bytes(b"")
-    for place in (store.root, tmp_path, tmp_path / "file"):
-        with pytest.raises(BadInput, match="is not a run directory"):
+    for place, why in ((store.root, "does not exist"), (tmp_path, "is not a run directory"), (tmp_path / "file", "is not a run directory")):
+        with pytest.raises(BadInput, match=why):
             Store.open(place)
     store.move("main", Lane(recipe=KEY))
     assert Store.open(str(store.root)).lanes() == ("main",)

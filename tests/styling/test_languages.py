@@ -9,7 +9,7 @@ from mechstyle.errors import BadInput
 from mechstyle.styling import words
 from mechstyle.styling.library import names
 from mechstyle.styling.prompt import read
-from mechstyle.styling.vocabulary import COLOURS, LANGUAGES, meanings, rows, styles, weak, words_of
+from mechstyle.styling.vocabulary import COLOURS, LANGUAGES, SPACED, meanings, rows, small_words_abroad, styles, weak, words_of
 
 ROWS = [row for row in rows("words") if any(row.words[1:])]
 
@@ -72,6 +72,32 @@ def test_a_common_word_becomes_a_style_only_where_the_tables_list_it_as_a_thing_
     common = COMMON[language].split()
     assert len(set(common)) >= 250
     assert [word for word in common if words._typed(word) not in listed and becomes(word)] == []
+
+
+def test_no_small_word_of_a_language_without_a_table_becomes_a_style():
+    """Swedish «och» was cable knit, by the Spanish word for it without its ending."""
+    small = small_words_abroad()
+    assert len(small) > 350
+    assert [word for word in small if word != "jako" and any(word in words._dictionary(language) for language in ("", *SPACED))] == []
+    assert [word for word in small if becomes(word)] == []
+
+
+@pytest.mark.parametrize(
+    ("prompt", "means"),
+    [("tegel och sten", "tiles and stone"), ("tegel og sten", "tiles and stone"), ("sten utan mos", "stone without moss"),
+     ("brick med moss", "brick with moss"), ("brick tanpa moss", "brick without moss")],
+)  # fmt: skip
+def test_a_small_word_joins_and_denies_in_languages_without_a_table_too(prompt, means):
+    assert (read(prompt).words, len(read(prompt).notes)) == (read(means).words, len(read(means).notes))
+
+
+@pytest.mark.parametrize(
+    "prompt",
+    ["verroest staal", "roestig staal", "verrosteter Stahl", "rostiges Metall", "acier rouillé", "acero oxidado", "hierro oxidado",
+     "acciaio arrugginito", "aço enferrujado", "zardzewiała stal", "ржавая сталь", "paslı çelik", "녹슨 강철", "錆びた鋼", "生锈的钢"],
+)  # fmt: skip
+def test_rusty_steel_has_the_colour_of_rust_in_every_language(prompt):
+    assert (read(prompt).words, read(prompt).notes) == (read("rusty steel").words, ())
 
 
 @pytest.mark.parametrize(

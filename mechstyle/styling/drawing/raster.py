@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from PIL import Image, ImageOps, UnidentifiedImageError
 from scipy import ndimage
 
-from mechstyle.errors import BadInput
+from mechstyle.errors import BadInput, absent
 from mechstyle.records.mesh import Bools, Floats
 from mechstyle.styling.drawing.colours import luminance
 
@@ -173,7 +173,7 @@ def _content(file: Path) -> bytes:
     """The bytes of a file that is there, not empty, and not huge."""
     try:
         if not file.is_file():
-            raise BadInput(f"the picture {file} {'is not a file' if file.exists() else 'does not exist'}; check the path")
+            raise BadInput(f"the picture {file} is not a file; check the path") if file.exists() else absent(file, "the picture")
         if file.stat().st_size > LARGEST_FILE:
             raise BadInput(f"{file.name} is larger than {LARGEST_FILE >> 20} MiB: scale the picture down")
         content = file.read_bytes()
