@@ -24,7 +24,7 @@ from mechstyle.records import Recipe, Simulation, Verdict
 from mechstyle.records.landings import with_drops
 from mechstyle.records.load_cases import LoadCase, load_cases
 from mechstyle.records.material import Material, material_named
-from mechstyle.records.mesh import STANDARD_VERTICES, Field, SurfaceMesh, TetMesh
+from mechstyle.records.mesh import STANDARD_VERTICES, Field, SurfaceMesh, TetMesh, check_vertices
 from mechstyle.records.recipe import DEFAULTS, direction_of, settings_of
 from mechstyle.records.sliced import with_sliced
 from mechstyle.records.written import READERS, length_of, tolerance_of
@@ -198,7 +198,7 @@ def simulate(
         direction_of(build_direction), **inside_of(printed),
         **with_drops({name: value for name, value in asked.items() if value is not None}),
     )  # fmt: skip
-    return _tested(mesh, *_prepared(mesh, original, vertices, stage, measured), wanted, where, stage, progress)
+    return _tested(mesh, *_prepared(mesh, original, check_vertices(vertices), stage, measured), wanted, where, stage, progress)
 
 
 def inside_of(printed: Mapping[str, Any]) -> dict[str, Any]:
