@@ -401,7 +401,7 @@ def test_a_part_meshed_anew_finds_its_run_again(part):
     assert default_folder(recipe) == default_folder(run.recipe)
     assert begin(anew, recipe, part, device="cpu").recipe == run.recipe
     moved = replace(anew, surface=anew.surface.moved(2 * anew.surface.vertices))
-    with pytest.raises(BadInput, match="other settings"):
+    with pytest.raises(BadInput, match="a run of another part: choose another --out"):
         begin(moved, fitted(recipe, moved), part, device="cpu", beside=False)
 
 
