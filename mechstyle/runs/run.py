@@ -84,8 +84,8 @@ class Run:
         named = f"Run({str(self.store.root)!r}, lane {self.lane!r}"
         try:
             history, recipe = self.history, self.recipe
-        except MechStyleError:  # its folder may be gone, and what shows a run in a line must show it even so
-            return f"{named}, which cannot be read)"
+        except MechStyleError as error:  # its folder may be gone, and what shows a run in a line must show it even so
+            return f"{named}, which cannot be read: {error})"
         where = f"iteration {history[-1].iteration} of {recipe.schedule.iterations}" if history else "not started"
         return f"{named}, {recipe.style.prompt!r}, {where})"
 

@@ -39,7 +39,11 @@ def test_a_command_refuses_it_in_one_sentence(earlier, command):
     assert {path: path.read_bytes() for path in earlier.rglob("*") if path.is_file()} == before
 
 
-@pytest.mark.parametrize("ask", [lambda run: run.recipe, lambda run: run.history, lambda run: run.verdict, lambda run: run.summary, repr])
+@pytest.mark.parametrize("ask", [lambda run: run.recipe, lambda run: run.history, lambda run: run.verdict, lambda run: run.summary])
 def test_python_refuses_it_in_the_same_sentence(earlier, ask):
     with pytest.raises(BadInput, match="made by another version of MechStyle; run it again"):
         ask(Run.open(earlier, "cpu"))
+
+
+def test_a_line_shows_it_with_the_same_sentence(earlier):
+    assert re.search(r"which cannot be read: .*made by another version of MechStyle; run it again", repr(Run.open(earlier, "cpu")))
