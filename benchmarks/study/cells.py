@@ -420,9 +420,9 @@ def _size(load: Load) -> str:
 
 
 def write_table(rows: Sequence[Row], path: Path) -> Path:
-    """Write rows to `path` with the suffix .json, and return it; it appears whole or not at all."""
+    """Write rows to `path` with the suffix .json, a line each, and return it; it appears whole or not at all."""
     target = path.with_suffix(".json")
-    write_whole(target, msgspec.json.format(msgspec.json.encode(list(rows)), indent=1))
+    write_whole(target, b"[\n" + b",\n".join(map(msgspec.json.encode, rows)) + b"\n]\n")
     return target
 
 

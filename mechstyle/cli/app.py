@@ -17,12 +17,9 @@ from mechstyle.cli.console import print_json
 
 UsageError: type[Exception] = typer.BadParameter.__bases__[0]
 """What is wrong with a command line: Click's, or that of the Click within newer versions of typer."""
-NUMBERS = re.compile(r"Input should be (?:a valid (integer|number), unable to parse.*|(greater|less) than or equal to (\S+))")
-NUMBER = {
-    "integer": "give a whole number, such as 40", "number": "give a number, such as 1.5",
-    "greater": "give at least ", "less": "give at most ",
-}  # fmt: skip
-"""What is said of a word where a number must stand, and of a number that is too small or too large."""
+NUMBERS = re.compile(r"Input should be a valid (integer|number), unable to parse string as (?:an integer|a number)")
+NUMBER = {"integer": "give a whole number, such as 40", "number": "give a number, such as 1.5"}
+"""What is said of a word where a number must stand."""
 AS_JSON = "mechstyle.as_json"
 """What a context remembers of the command line, of which nothing is left once it is parsed."""
 PANELS = {
@@ -66,7 +63,7 @@ def _usage_errors(as_json: bool) -> Iterator[None]:
     try:
         yield
     except UsageError as error:
-        error.message = NUMBERS.sub(lambda found: NUMBER[found[1] or found[2]] + (found[3] or ""), error.message)  # type: ignore[attr-defined]
+        error.message = NUMBERS.sub(lambda found: NUMBER[found[1]], error.message)  # type: ignore[attr-defined]
         if as_json:
             print_json({"error": error.format_message()})  # type: ignore[attr-defined]
         raise
