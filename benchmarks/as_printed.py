@@ -4,7 +4,7 @@ Some minutes of a core for each part. Keeps what was measured in docs/as-printed
 
 python benchmarks/as_printed.py                      # all thirty parts, plain and in brick
 python benchmarks/as_printed.py --plain coaster vase # some of them, plain alone
-python benchmarks/as_printed.py --page               # write the table of docs/as-printed.md anew from what is kept
+python benchmarks/as_printed.py --page               # write the table of docs/printing.md anew from what is kept
 """
 
 from __future__ import annotations
@@ -24,13 +24,13 @@ from mechstyle.fea.drop import resolve_device
 from mechstyle.gallery import names
 from mechstyle.loop.bounds import unrestrained_relief
 from mechstyle.records import Simulation
-from mechstyle.runs.recipes import draft
+from mechstyle.runs.recipes import recipe_for
 from mechstyle.simulation.part import Workpiece, bounds_for, cached_memo, fitted, prepare
 from mechstyle.simulation.simulator import DropSimulator
 from mechstyle.styling.prompt import read
 
 DOCS = Path(__file__).parent.parent / "docs"
-KEPT, PAGE = DOCS / "as-printed.json", DOCS / "as-printed.md"
+KEPT, PAGE = DOCS / "as-printed.json", DOCS / "printing.md"
 VERTICES, BRICK = 3000, "brick"
 PRINTS = {"solid": {}, "printed": {"infill": "15 %"}}
 
@@ -57,7 +57,7 @@ class Measured(msgspec.Struct):
 
 def measured(part: Workpiece, prompt: str, printed: dict[str, str], device: str) -> Measured:
     """Drop a part, plain for no prompt, else with its free relief."""
-    recipe = fitted(draft(prompt or BRICK, freestyle=True, **printed), part)
+    recipe = fitted(recipe_for(prompt or BRICK, freestyle=True, **printed), part)
     memo, began = cached_memo(), time.process_time()
     simulator = DropSimulator(part, recipe, memo, memo, resolve_device(device))
     simulation = simulator.simulate(relief(part, prompt) if prompt else np.zeros(len(part.surface.vertices), np.float32), thorough=True)
@@ -80,7 +80,7 @@ def relief(part: Workpiece, prompt: str) -> np.ndarray:
     plain = part.surface
     styled, _ = Specimen(plain, part.thickness.astype(np.float64)).styled(read(prompt).wishes[0])
     asked = np.einsum("ij,ij->i", styled.vertices - plain.vertices, plain.vertex_normals).astype(np.float32)
-    recipe = draft(prompt, freestyle=True)
+    recipe = recipe_for(prompt, freestyle=True)
     return np.asarray(unrestrained_relief(asked, bounds_for(part, recipe)[0], recipe), np.float32)
 
 

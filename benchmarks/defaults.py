@@ -57,14 +57,14 @@ def of(rows: Sequence[Row], test: tuple[str, int], arm: str) -> list[Row]:
 def grid(rows: Sequence[Row]) -> str:
     """How many pass of each arm under each condition."""
     lines: list[tuple[str, ...]] = [
-        ("test", "vertices", "arm", "runs", "passes", "HOLDS", "sure", "kept, median", "kept, least", "simulations")
+        ("test", "vertices", "arm", "runs", "passes", "HOLDS", "sure", "kept, median", "kept, least", "style loss, median", "simulations")
     ]
     for test in tests(rows):
         for arm in ARMS:
             if runs := of(rows, test, arm):
                 counts = (len(runs), *(sum(map(has, runs)) for has in (_passes, _holds, _sure)))
-                kept = [row.kept for row in runs]
-                shares = (f"{median(kept):.2f}", f"{min(kept):.2f}", f"{mean(row.simulations for row in runs):.1f}")
+                kept, loss = ([getattr(row, of) for row in runs] for of in ("kept", "style_loss"))
+                shares = (f"{median(kept):.2f}", f"{min(kept):.2f}", f"{median(loss):.2f}", f"{mean(row.simulations for row in runs):.1f}")
                 lines.append((test[0], str(test[1]), arm, *map(str, counts), *shares))
     return markdown(lines)
 
@@ -120,7 +120,7 @@ def page(rows: Sequence[Row], machine: str) -> str:
     return (
         f"{HEAD}{intro}{about}{rest}\n{grid(rows)}\n## What follows\n\n" + "\n\n".join(follows(rows))
         + f"\n\n{CHOICE}\n## What finishing first gives up\n\n{lost}\n\n"
-        + "How more of a style may be kept: [when a part fails](when-it-fails.md).\n"
+        + "How more of a style may be kept: [when a part fails](how-mechstyle-judges.md#when-a-part-fails).\n"
     )  # fmt: skip
 
 

@@ -145,6 +145,7 @@ WATCH = """() => {
         }
 }"""
 """Notes when the part itself has been drawn [ms since 1970, as the kernel counts]."""
+QUIET = "() => performance.timeOrigin + performance.now() - (window.drawn.at(-1) ?? 0) > 500"
 
 
 class Page:
@@ -229,7 +230,8 @@ def of_opening(shown: Page) -> Iterator[Row]:
 
 
 def _until_drawn(shown: Page, act: Callable[[], object], *, views: int = 1) -> float:
-    """From an action until so many views have drawn what came of it [ms]."""
+    """From an action until so many views have drawn what came of it [ms]; what came of the one before is drawn by then."""
+    shown.page.wait_for_function(QUIET)
     shown.page.evaluate("() => { window.drawn = []; }")
     began = 1000.0 * time.time()
     act()

@@ -5,6 +5,7 @@ in mutants.toml beside this file, one by one. The run fails if a survivor is not
 The working tree is never written: a mutant exists only in the memory of the process that tests it.
 
     python benchmarks/mutants.py [--seed 0] [--per-module 16] [--module prompt] [--workers 2]
+    python benchmarks/mutants.py --drawn 25 [--seed 0]    # of the whole product, each against its module's own tests
 
 Changed are comparisons, arithmetic, logic, numbers, booleans, conditions, opposites such as min and max, statements that can be left out
 and what is returned; not texts, and not annotations.
@@ -19,8 +20,10 @@ import contextlib
 import importlib.util
 import itertools
 import json
+import linecache
 import os
 import random
+import re
 import signal
 import subprocess
 import sys
@@ -44,6 +47,8 @@ MODULES = (
     "mechstyle/fea/permanent_set.py", "mechstyle/geometry/transfer.py", "mechstyle/geometry/resting_face.py",
     "mechstyle/geometry/region_selection.py", "mechstyle/styling/prompt.py",
 )  # fmt: skip
+PRODUCT = {"mechstyle": "tests", "widgets/mechstyle_widgets": "tests/widgets"}
+"""Folders of all modules, and where the folders of their tests begin."""
 MOST_SURVIVORS = 0.08
 PATIENCE = 10.0
 """A mutant that takes this many times as long as the unchanged module hangs, and counts as killed."""
@@ -186,10 +191,30 @@ def sample(root: Path, module: str, count: int, seed: int) -> list[Mutant]:
     return sorted(random.Random(f"{seed} {module}").sample(every, min(count, len(every))))
 
 
-def tests_of(module: str) -> str:
-    """The file that tests a module: mechstyle/loop/control.py has tests/loop/test_control.py."""
-    path = Path(module)
-    return Path("tests", *path.parts[1:-1], f"test_{path.name}").as_posix()
+def draw(root: Path, count: int, seed: int) -> list[Mutant]:
+    """So many of all mutants of the product: a long module is drawn more often."""
+    modules = sorted(path.relative_to(root).as_posix() for folder in PRODUCT for path in (root / folder).rglob("*.py"))
+    every = [mutant for module in modules for mutant in mutants(root, module)]
+    return sorted(random.Random(seed).sample(every, min(count, len(every))))
+
+
+def tests_of(root: Path, module: str) -> tuple[str, ...]:
+    """The files that test a module: mechstyle/loop/control.py has tests/loop/test_control.py and tests/loop/test_control_*.py.
+
+    A module without such a file has those that import it; one that none imports has all of the nearest folder with tests.
+    """
+    path = root / module
+    folder = next(folder for folder in PRODUCT if module.startswith(f"{folder}/"))
+    tests = root / PRODUCT[folder]
+    place, name = tests / path.relative_to(root / folder).parent, path.stem.strip("_")
+    files = [*place.glob(f"test_{name}.py"), *place.glob(f"test_{name}_*.py")]
+    if not files:
+        package = ".".join(path.relative_to(root / Path(folder).parent).parent.parts)
+        names = re.compile(rf"{package}\.{path.stem}\b|from {package} import [^\n]*\b{path.stem}\b")
+        files = [file for file in tests.rglob("test_*.py") if names.search(file.read_text(encoding="utf-8"))]
+    while not files:
+        files, place = [*place.glob("test_*.py")], place.parent
+    return tuple(sorted(file.relative_to(root).as_posix() for file in files))
 
 
 class _MutantLoader(SourceFileLoader):
@@ -200,14 +225,16 @@ class _MutantLoader(SourceFileLoader):
         self._changed = source
 
     def get_code(self, fullname: str) -> CodeType:
-        return compile(self._changed, self.get_filename(fullname), "exec", dont_inherit=True)
+        path = self.get_filename(fullname)
+        linecache.cache[path] = (len(self._changed), None, self._changed.splitlines(keepends=True), path)  # what Warp compiles kernels from
+        return compile(self._changed, path, "exec", dont_inherit=True)
 
 
 class _MutantFinder:
     """Finds the changed module first, whoever imports it."""
 
     def __init__(self, mutant: Mutant, root: Path) -> None:
-        self._name = mutant.module.removesuffix(".py").replace("/", ".")
+        self._name = mutant.module.removeprefix("widgets/").removesuffix(".py").removesuffix("/__init__").replace("/", ".")
         self._path, self._source = str(root / mutant.module), mutant.source(root)
 
     def find_spec(self, name: str, *_: object) -> ModuleSpec | None:
@@ -216,7 +243,7 @@ class _MutantFinder:
         return importlib.util.spec_from_file_location(name, self._path, loader=_MutantLoader(name, self._path, self._source))
 
 
-def passes(root: Path, mutant: Mutant | None, tests: str, limit: float) -> bool:
+def passes(root: Path, mutant: Mutant | None, tests: Sequence[str], limit: float) -> bool:
     """Whether all tests pass, in a process of their own, within a time limit [s]."""
     order = json.dumps({"mutant": mutant and asdict(mutant), "tests": tests})
     quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "stdin": subprocess.DEVNULL}
@@ -237,19 +264,22 @@ def obey(root: Path, order: str) -> int:
     sys.path[0], sys.dont_write_bytecode = str(root), True
     if wanted["mutant"]:
         sys.meta_path.insert(0, _MutantFinder(Mutant(**wanted["mutant"]), root))
-    return pytest.main(["-x", "-q", "-p", "no:cacheprovider", str(root / wanted["tests"])])
+    return pytest.main(["-x", "-q", "-p", "no:cacheprovider", *(str(root / file) for file in wanted["tests"])])
 
 
 def limits(root: Path, modules: Sequence[str], each: Callable[..., Iterator[float]]) -> dict[str, float]:
-    """Time limit of each module's tests [s]; unchanged they must pass."""
+    """Time limit of each module's tests [s]; unchanged they must pass. Modules with the same tests share it."""
+    tests = {module: tests_of(root, module) for module in modules}
 
-    def measured(module: str) -> float:
+    def measured(files: Sequence[str]) -> float:
         begun = time.perf_counter()
-        if not passes(root, None, tests_of(module), 600.0):
-            sys.exit(f"{tests_of(module)} fails without any change; mend that first")
+        if not passes(root, None, files, 1200.0):
+            sys.exit(f"{', '.join(files)}: fails without any change; mend that first")
         return PATIENCE * (time.perf_counter() - begun)
 
-    return dict(zip(modules, each(measured, modules), strict=True))
+    different = list(dict.fromkeys(tests.values()))
+    limit = dict(zip(different, each(measured, different), strict=True))
+    return {module: limit[files] for module, files in tests.items()}
 
 
 def explanations() -> dict[tuple[str, str, str], str]:
@@ -260,7 +290,7 @@ def explanations() -> dict[tuple[str, str, str], str]:
 
 def table(root: Path, results: dict[Mutant, bool], known: dict[tuple[str, str, str], str]) -> Table:
     """Mutants, killed, and survivors of each module, with place and change."""
-    made = Table(title="mutants of the pure modules", show_lines=True)
+    made = Table(title="mutants", show_lines=True)
     for heading in ("module", "mutants", "killed", "survivors"):
         made.add_column(heading, justify="right" if heading in {"mutants", "killed"} else "left")
     for module in dict.fromkeys(mutant.module for mutant in results):
@@ -280,18 +310,21 @@ def main() -> int:
     parser = argparse.ArgumentParser(description="Seeded mutation run over the pure modules.")
     parser.add_argument("--seed", type=int, default=0, help="another seed, another sample")
     parser.add_argument("--per-module", type=int, default=16, help="mutants of each module")
+    parser.add_argument("--drawn", type=int, default=0, help="so many of the whole product, in place of those of the pure modules")
     parser.add_argument("--module", default="", help="only modules with this in their path")
     parser.add_argument("--workers", type=int, default=2, help="processes side by side")
     parser.add_argument("--order", default="", help=argparse.SUPPRESS)
     options = parser.parse_args()
     if options.order:
         return obey(Path.cwd(), options.order)
-    modules = [module for module in MODULES if options.module in module]
+    pure = [module for module in MODULES if options.module in module]
+    chosen = [mutant for module in pure for mutant in sample(ROOT, module, options.per_module, options.seed)]
+    if options.drawn:
+        chosen = draw(ROOT, options.drawn, options.seed)
     begun, known = time.perf_counter(), explanations()
     with ThreadPoolExecutor(options.workers) as pool:
-        limit = limits(ROOT, modules, pool.map)
-        chosen = [mutant for module in modules for mutant in sample(ROOT, module, options.per_module, options.seed)]
-        alive = pool.map(lambda mutant: passes(ROOT, mutant, tests_of(mutant.module), limit[mutant.module]), chosen)
+        limit = limits(ROOT, list(dict.fromkeys(mutant.module for mutant in chosen)), pool.map)
+        alive = pool.map(lambda mutant: passes(ROOT, mutant, tests_of(ROOT, mutant.module), limit[mutant.module]), chosen)
         results = dict(zip(chosen, alive, strict=True))
     console = Console(width=160)
     console.print(table(ROOT, results, known), markup=False)

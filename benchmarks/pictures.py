@@ -27,18 +27,18 @@ from sheets import model_sheet
 
 import mechstyle as ms
 from mechstyle._files import write_whole
-from mechstyle.pictures.figure import Panel
-from mechstyle.pictures.panels import Picture, picture
+from mechstyle.pictures.figure import Panel, figure_png
+from mechstyle.pictures.panels import Picture
 from mechstyle.records import Verdict, sentences
 from mechstyle.runs.film import film
 from mechstyle.runs.run import Run
 from mechstyle.simulation.physics import PHYSICS_VERSION
-from mechstyle.teaching import bent
 
 ROOT = Path(__file__).parent.parent
 DOCS, LIST = ROOT / "docs", ROOT / "docs" / "pictures.json"
 WORK = ROOT / "build" / "pictures" / f"physics-{PHYSICS_VERSION}"
-COLOURS = 256
+COLOURS, SIDE = 256, 240
+"""Colours of a picture, and the side of one in a row [pixels], small enough that its words are read at the width of a page."""
 
 
 class Made(msgspec.Struct, frozen=True):
@@ -60,12 +60,10 @@ class Made(msgspec.Struct, frozen=True):
 
 
 def demo() -> list[Run]:
-    """The part of the demo: plain, freely, with feedback."""
+    """The part of the demo: freely, with feedback."""
     folder = WORK / "demo"
     subprocess.run([sys.executable, "-m", "mechstyle", "demo", "--out", str(folder)], check=True)
-    free, fed = (Run.open(folder / name, "cpu") for name in ("freestyle", "mechstyle"))
-    keep("demo", bent({"plain": (free, 0), "Freestyle": free, "MechStyle": fed}))
-    return [free, fed]
+    return [Run.open(folder / name, "cpu") for name in ("freestyle", "mechstyle")]
 
 
 def row() -> list[Run]:
@@ -80,12 +78,13 @@ def side_by_side(runs: Sequence[Run]) -> Picture:
     """The plain part and runs of it in one row, each above its outcome and what stays bent."""
     plain = Panel(runs[0].part.surface, "plain", note=in_three_words(runs[0].summary.plain))
     panels = [plain, *(Panel(run.surface(), run.recipe.style.prompt, note=in_three_words(run.verdict)) for run in runs)]
-    return picture(panels, title="", columns=len(panels))
+    return Picture(figure_png(panels, columns=len(panels), panel_size=(SIDE, SIDE)))
 
 
 def in_three_words(verdict: Verdict) -> str:
-    """The outcome, and what stays bent in the worst test."""
-    return f"{verdict.outcome.lower()}, {sentences.found(verdict.deciding)}" if verdict.deciding else verdict.outcome.lower()
+    """The outcome, whether it is not sure, and what stays bent in the worst test."""
+    found = sentences.found(verdict.deciding) if verdict.deciding else ""
+    return ", ".join(filter(None, (verdict.outcome.lower(), "" if verdict.sure else "not sure", found)))
 
 
 def fall() -> list[Run]:
@@ -117,7 +116,7 @@ def models() -> list[Run]:
 
 GROUPS: dict[str, tuple[Callable[[], list[Run]], tuple[str, ...], bool]] = {
     "row": (row, ("row",), True),
-    "film": (fall, ("demo", "film"), True),
+    "film": (fall, ("film",), True),
     "tutorial": (tutorial, ("tutorial",), True),
     "studio": (studio, ("studio-1", "studio-2", "studio-3", "studio-paint", "report"), True),
     "gallery": (models, ("gallery",), False),

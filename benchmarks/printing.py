@@ -25,6 +25,7 @@ from mechstyle.geometry.filaments import clustered, in_bands, painted, palette_o
 from mechstyle.pictures.figure import Panel
 from mechstyle.pictures.panels import picture
 from mechstyle.runs.run import Run
+from pictures import keep
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
@@ -123,7 +124,7 @@ def draw(run: Run) -> None:
         )),
     )  # fmt: skip
     panels = [Panel(mesh, title, note=f"{cost.changes} changes" if cost else "") for mesh, title, cost in looks]
-    picture(panels, title="").save(DOCS / "printing.png")
+    keep("printing", picture(panels, title=""))
 
 
 def main() -> None:

@@ -30,7 +30,7 @@ from mechstyle.loop.engine import Engine, Event, Simulated
 from mechstyle.records.mesh import STANDARD_VERTICES
 from mechstyle.runs import run as runs
 from mechstyle.runs import stylizers
-from mechstyle.runs.recipes import draft, typed
+from mechstyle.runs.recipes import recipe_for, typed
 from mechstyle.simulation import meshes, part, simulator
 from mechstyle.simulation.estimate import estimated
 from mechstyle.styling.drawn import ProceduralStylizer
@@ -165,9 +165,9 @@ def profiled(given: argparse.Namespace, folder: str) -> dict[str, Any]:
     with profile.stage("the rest"):
         with profile.stage("reading"):
             mesh = gallery.load(given.model)
-        wanted = draft(given.prompt, **dict(typed(text) for text in given.set))
+        wanted = recipe_for(given.prompt, **dict(typed(text) for text in given.set))
         device, out = resolve_device(given.device), Path(folder, "run")
-        run = runs.started(wanted, mesh, vertices=given.vertices, out=out, device=device, stage=teller.stage)
+        run = runs.Draft(wanted, mesh, given.vertices, folder=out, device=device).ready(stage=teller.stage).begin()
         foreseen = estimated(wanted, given.vertices).seconds if device == "cpu" else None
         teller.begun = time.perf_counter()
         finish(run, teller)

@@ -21,14 +21,14 @@ from pathlib import Path
 
 from benchmarks.study.cells import Cell
 from benchmarks.study.walk import walk
-from mechstyle.runs.recipes import draft
+from mechstyle.runs.recipes import recipe_for
 
 WORKERS = 2
 
 
 def cells(count: int) -> list[Cell]:
     """Cells that are refused as soon as they are begun."""
-    recipe = draft("brick")
+    recipe = recipe_for("brick")
     return [Cell(model=f"part {number}.stl", arm="freestyle", recipe=recipe, vertices=1000) for number in range(count)]
 
 

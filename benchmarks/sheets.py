@@ -1,6 +1,6 @@
 """Contact sheets of styles and models, which pages show: run it for docs/styles.png.
 
-python benchmarks/sheets.py --jobs 2     # an hour of a core
+python benchmarks/sheets.py --jobs 2     # a quarter of an hour of a core
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from mechstyle.pictures.figure import DPI, FAINT, INK
 from mechstyle.pictures.panels import Picture
 from mechstyle.pictures.scene import BACKGROUND, Camera, render
 from mechstyle.records.mesh import STANDARD_VERTICES, SurfaceMesh
-from mechstyle.runs.recipes import draft
+from mechstyle.runs.recipes import recipe_for
 from mechstyle.runs.stylizers import finished_style
 from mechstyle.simulation.part import INWARD_SHARE, Shape, standardised
 from mechstyle.styling.dimensions import Dimensions, outwards
@@ -39,11 +39,8 @@ from mechstyle.styling.drawn import target
 from mechstyle.styling.library import names, style_named
 from mechstyle.styling.prompt import Wish
 
-PARTS: Mapping[str, Mapping[str, float]] = MappingProxyType({
-    "vase": {}, "phone_stand": {}, "lampshade": {"wall": 1.5}, "utensil_grip": {},
-    "pen_holder": {"diameter": 30.0, "height": 30.0, "wall": 1.2, "base": 1.2},
-})  # fmt: skip
-"""Models with the measures [mm] that are not their own: a curved, a prismatic, a thin, an organic and a small part."""
+PARTS: Mapping[str, Mapping[str, float]] = MappingProxyType({"vase": {}})
+"""Models with the measures [mm] that are not their own. One is enough for a page; a style is judged on several."""
 CELL, LINE, MARGIN, GAP = 100, 26, 18, 28
 """Side of a picture, height of the line above a row, border of the page, way between its columns [pixels]."""
 PICTURED = 25_000
@@ -81,7 +78,7 @@ class Specimen:
 
 
 def contact_sheet(
-    *, styles: Sequence[str] = (), parts: Mapping[str, Mapping[str, float]] = PARTS, vertices: int = PICTURED, columns: int = 2,
+    *, styles: Sequence[str] = (), parts: Mapping[str, Mapping[str, float]] = PARTS, vertices: int = PICTURED, columns: int = 4,
     jobs: int = 1,
 ) -> Picture:  # fmt: skip
     """A row for each style: on every part, coloured and in grey, which shows the relief alone.
@@ -90,14 +87,14 @@ def contact_sheet(
         styles: Their names; all by default.
         parts: Gallery models and their measures [mm] where they differ from the models' own.
         vertices: Vertices of the standardised surfaces.
-        columns: Columns of rows, so that the page is not a ribbon.
+        columns: Columns of rows, so that names are read at the width of a page.
         jobs: Processes side by side.
     """
     known = [style_named(name) for name in styles or names()]
     specimens = [Specimen.of(make(part, **measures), vertices) for part, measures in parts.items()]
     with ProcessPoolExecutor(jobs, mp_context=multiprocessing.get_context("spawn")) as pool:
         rows = list(pool.map(partial(_row, specimens), [style.name for style in known]))
-    return Picture(_page(rows, [(style.name.replace("_", " "), style.description) for style in known], columns))
+    return Picture(_page(rows, [(style.name.replace("_", " "), "") for style in known], columns))
 
 
 def _row(specimens: Sequence[Specimen], style: str) -> Pixels:
@@ -185,7 +182,7 @@ def _suited(name: str) -> Pixels:
     surface = standardised(make(name), PICTURED)
     shape = Shape(surface, local_thickness(surface).astype(np.float32))
     spared = [region for region in entry(name).protect if not region.startswith("inside")]  # which stays plain by itself, colour and all
-    style = finished_style(shape, draft(SUITS[name], protect=spared))
+    style = finished_style(shape, recipe_for(SUITS[name], protect=spared))
     assert style is not None, "a style that is drawn is known before it is run"
     styled = surface.displaced(style.relief).coloured(style.colour)
     return render(styled, camera=Camera.named("three_quarter", styled.vertices), width=SIDE, height=SIDE)

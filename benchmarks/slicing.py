@@ -25,8 +25,10 @@ import mechstyle as ms
 from mechstyle.gallery import names
 from mechstyle.geometry.files import save
 from mechstyle.loop.bounds import unrestrained_relief
+from mechstyle.records import Recipe
+from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.runs.printing import Printing, write_for_printing
-from mechstyle.runs.recipes import draft
+from mechstyle.runs.recipes import recipe_for
 from mechstyle.simulation.part import Shape, bounds_for
 from mechstyle.styling.library import names as styles
 from mechstyle.styling.prompt import read
@@ -62,11 +64,7 @@ class Sliced(msgspec.Struct):
 
 def measure(part: str, style: str, folder: Path) -> Sliced:
     """Style a part, write it twice and slice each file twice."""
-    specimen, recipe = Specimen.of(ms.load(f"gallery:{part}"), VERTICES), draft(style)
-    plain, (styled, _) = specimen.surface, specimen.styled(read(style).wishes[0])
-    asked = np.einsum("ij,ij->i", styled.vertices - plain.vertices, plain.vertex_normals).astype(np.float32)
-    bounds, _ = bounds_for(Shape(plain, specimen.thickness.astype(np.float32)), recipe)
-    mesh = plain.displaced(unrestrained_relief(asked, bounds, recipe)).coloured(styled.colours)
+    mesh, recipe = in_style(part, style)
     files = [folder / f"{part}.3mf", folder / f"{part}.stl"]
     plan = write_for_printing(files[0], mesh, cast("Any", None), recipe, Printing())  # the part is asked for two bodies alone
     save(mesh, files[1])
@@ -86,6 +84,15 @@ def measure(part: str, style: str, folder: Path) -> Sliced:
         asked=round(float(mesh.extents[2]) / LAYER),
         repairs=repairs,
     )
+
+
+def in_style(part: str, style: str) -> tuple[SurfaceMesh, Recipe]:
+    """A part of the gallery in a style, and the recipe of that."""
+    specimen, recipe = Specimen.of(ms.load(f"gallery:{part}"), VERTICES), recipe_for(style)
+    plain, (styled, _) = specimen.surface, specimen.styled(read(style).wishes[0])
+    asked = np.einsum("ij,ij->i", styled.vertices - plain.vertices, plain.vertex_normals).astype(np.float32)
+    bounds, _ = bounds_for(Shape(plain, specimen.thickness.astype(np.float32)), recipe)
+    return plain.displaced(unrestrained_relief(asked, bounds, recipe)).coloured(styled.colours), recipe
 
 
 def heights(gcode: str) -> set[float]:

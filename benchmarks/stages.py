@@ -37,7 +37,7 @@ from mechstyle.loop.engine import Event, Stylized
 from mechstyle.records.material import LIBRARY
 from mechstyle.records.mesh import STANDARD_VERTICES, SurfaceMesh, TetMesh
 from mechstyle.runs.recipes import plan
-from mechstyle.runs.run import begin
+from mechstyle.runs.run import Draft
 from mechstyle.simulation.part import TETS, Workpiece
 from mechstyle.styling.dimensions import Dimensions
 from mechstyle.styling.drawn import Target, target
@@ -130,7 +130,7 @@ def brick(surface: SurfaceMesh, thickness: np.ndarray[Any, Any]) -> Target:
 
 def iterations(part: Workpiece, folder: str) -> Iterator[Event]:
     """The events of a run that simulates at its end only, its target drawn and the part as it came simulated already."""
-    run = begin(part, plan(part, "green", schedule="never", iterations=ITERATIONS), Path(folder) / "run", device="cpu")
+    run = Draft(plan(part, "green", schedule="never", iterations=ITERATIONS), part, folder=Path(folder) / "run", device="cpu").begin()
     events = run.events()
     next(events)
     return events

@@ -3,7 +3,7 @@
 python benchmarks/validate.py                          # every case of tests/validation/suite.py: hours on two cores
 python benchmarks/validate.py --quick                  # without what takes minutes
 python benchmarks/validate.py --case patch --case bar  # these alone
-python benchmarks/validate.py --case bar --page        # and bring docs/validation.md and its picture up to date, the others as they were
+python benchmarks/validate.py --case bar --page        # and bring docs/validation.md up to date, the others as they were
 python benchmarks/validate.py --case devices --json gpu.json          # on a machine with a GPU …
 python benchmarks/validate.py --read gpu.json --page                  # … whose figures are taken over here, with nothing measured
 """
@@ -34,7 +34,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--case", action="append", metavar="NAME", default=[], help="only this case; may be repeated")
     parser.add_argument("--quick", action="store_true", help="leave out what takes minutes")
-    parser.add_argument("--page", nargs="?", const=DOCS, type=Path, metavar="FOLDER", help="write page and picture, into docs by default")
+    parser.add_argument("--page", nargs="?", const=DOCS, type=Path, metavar="FOLDER", help="write the page, into docs by default")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the figures")
     parser.add_argument(
         "--read", type=Path, nargs="+", metavar="FILE", default=[], help="figures measured elsewhere; only --case is measured"
@@ -54,7 +54,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
         everything = suite.merged(suite.read(asked.page / "validation.json"), found)
         suite.write(asked.page / "validation.json", everything)
         suite.write_page(asked.page / "validation.md", everything)
-        suite.draw(asked.page / "validation.png", everything)
     if asked.json:
         suite.write(asked.json, found)
     failed = [result.case for one in found.values() for result in one.ran if not result.passed]

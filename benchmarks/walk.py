@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import argparse
 import random
+import re
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -36,7 +37,10 @@ def shows():
     return isinstance(studio.viewer, RunViewer) and studio.state.checkpoint is not None and (
         not studio.controller.busy or studio.state.status == "paused")
 def drawn():
-    return not shows() or studio.viewer._drawn_place == (studio.state.lane, studio.state.iteration)
+    return not shows() or studio.viewer.up_to_date
+def stands():
+    state = studio.state
+    return shows() and drawn(), state.lane, state.iteration, state.status, state.row() and state.row().digest, state.another
 without_physics(pytest.MonkeyPatch())
 studio = Studio("gallery:wall_hook", prompt="brick", schedule="every", every=4, iterations=12, vertices=900)
 studio
@@ -63,7 +67,8 @@ SEEN = """() => [...document.querySelectorAll('.mechstyle-result, .mechstyle-bad
 """What the page says of what is on show."""
 WITHIN_REACH = """() => {
     const kinds = 'button, select, input, textarea, canvas, .noUi-handle, .nsewdrag, summary';
-    const there = one => one.checkVisibility({ visibilityProperty: true }) && !one.disabled && one.type !== 'file';
+    const solid = one => one.closest('.jupyter-widgets')?.querySelector('.widget-label')?.textContent === 'thicken [mm]'; // a sheet is not
+    const there = one => one.checkVisibility({ visibilityProperty: true }) && !one.disabled && one.type !== 'file' && !solid(one);
     const called = one => one.title || one.ariaLabel || one.placeholder || one.textContent.slice(0, 40);
     window.reached = [...document.querySelectorAll(`.mechstyle-studio :is(${kinds})`)].filter(there);
     return window.reached.map(one => [one.localName, one.type ?? '', called(one)]);
@@ -80,6 +85,10 @@ RELOAD, CALM = 0.01, 10
 """How often a page is loaded anew, and after how many actions the kernel is waited for."""
 SOON = 1000
 """What cannot be acted on by then lies under something else [ms]."""
+
+
+LOGGED, STACK = re.compile("Traceback|restart|^\\[E "), 40
+"""How an error begins in a log, and how many lines of it are listed."""
 
 
 class Walker:
@@ -130,7 +139,13 @@ class Walker:
         if said := notebook.python("if shows() and drawn(): assert_tells_one_truth(studio)"):
             self.note(f"not one truth: {said}")
             self.page.evaluate("() => window.complaints.pop()")  # the same, heard
-        seen = self.page.evaluate(SEEN)
+        seen: list[str] = []
+        for _ in range(CALM):  # what goes on meanwhile reaches the page word by word
+            before, seen = notebook.python("print(stands())"), self.page.evaluate(SEEN)
+            if notebook.python("print(stands())") == before:
+                break
+        else:
+            return
         found = notebook.python(f"if shows() and drawn(): print(len({{one for text in {seen!r} for one in outcomes(text)}}) == 1)")
         if found not in ("", "True"):
             self.note(f"not one truth in the page: {found} {seen}")
@@ -220,7 +235,8 @@ def main() -> None:
             walker.shown.notebook.keep(f"walk-{given.seed}")
             walker.note(f"{type(error).__name__}: {error}")
         log = (notebooks.parent / "home" / "log").read_text(encoding="utf-8")
-    logged = [line for line in log.splitlines() if "Traceback" in line or "restart" in line or line.startswith("[E ")]
+    lines = log.splitlines()
+    logged = ["\n".join(lines[at : at + STACK]) for at, line in enumerate(lines) if LOGGED.search(line)]
     for line in logged:
         Console().print(f"log: {line}", markup=False)
     missed, wrong = sum(one.startswith("missed") for one in walker.done), len(walker.wrong) + len(logged)

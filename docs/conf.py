@@ -4,7 +4,6 @@ The repository itself is the source, so that a link between its pages leads to t
 from a network: notebooks show pictures instead of live widgets, and formulas are MathML.
 """
 
-import json
 import os
 import sys
 from pathlib import Path
@@ -75,22 +74,13 @@ napoleon_use_ivar = True
 
 
 def filled(_app: Any, name: str, source: list[str]) -> None:
-    """Put what is generated where a page asks for it, and the words of a figure where myst-nb looks for them."""
+    """Put what is generated where a page asks for it, and what a notebook says of its cells where myst-nb looks for it."""
     if (ROOT / f"{name}.ipynb").is_file():
-        source[0] = with_words(source[0])
+        source[0] = page.as_in_lab(source[0])
         return
     for marker, made in generated.PAGES.items():
         if f"<!-- {marker} -->" in source[0]:
             source[0] = source[0].replace(f"<!-- {marker} -->", made(CACHE, EXECUTE))
-
-
-def with_words(text: str) -> str:
-    """A notebook whose figures carry the words of their cell."""
-    notebook = json.loads(text)
-    for cell in notebook["cells"]:
-        if "alt" in cell["metadata"]:
-            cell["metadata"]["mystnb"] = {"image": {"alt": cell["metadata"]["alt"]}}
-    return json.dumps(notebook)
 
 
 def formula(self: Any, node: nodes.math) -> None:

@@ -17,10 +17,10 @@ from mechstyle.fea.explicit import no_progress
 from mechstyle.gallery import load
 from mechstyle.records import sentences
 from mechstyle.records.written import written
-from mechstyle.runs.recipes import draft
+from mechstyle.runs.recipes import recipe_for
 from mechstyle.runs.report.reproduce import options, settings_for
 from mechstyle.runs.report.result import Result, read_result
-from mechstyle.runs.run import started
+from mechstyle.runs.run import Draft
 
 VERTICES, ITERATIONS = 3000, 60
 """Of a part in class: a run then takes about a minute on two cores."""
@@ -59,27 +59,26 @@ def prepare(
         MechStyleError: If a part or a setting cannot be used; what was prepared before stays.
     """
     settings = {"iterations": ITERATIONS, **settings}
-    wanted = {prompt: draft(prompt, **settings) for prompt in prompts}  # refuses a style before minutes are spent
+    wanted = {prompt: recipe_for(prompt, **settings) for prompt in prompts}  # refuses a style before minutes are spent
     parts = {model: load(model) for model in models}
     if not (wanted and parts):
         raise BadInput("a class needs at least one part and one style")
     tasks = []
     for model, part in parts.items():
         for prompt, recipe in wanted.items():
-            label = f"{part.name}, {prompt}"
-            run = started(
-                recipe, part, vertices=vertices, out=folder / "prepared" / file_stem(f"{part.name}-{prompt}"), name=part.name,
-                device=device, stage=partial(lambda label, what: stage(f"{label}: {what}"), label),
-            )  # fmt: skip
+            label, own = f"{part.name}, {prompt}", file_stem(f"{part.name}-{prompt}")
+            asked = Draft(recipe, part, vertices, part.name, folder / "prepared" / own, device)
+            run = asked.ready(stage=partial(lambda label, what: stage(f"{label}: {what}"), label)).begin()
             stage(f"{label}: dropping the plain part")
             _ = run.simulator(run.recipe).baseline
-            given = options({"prompt": prompt, **settings_for(recipe, partial(draft, prompt))})
-            words = ["mechstyle", "run", model, *dict.fromkeys(given), "--vertices", str(vertices), "--out", f"runs/{file_stem(prompt)}"]
+            given = options({"prompt": prompt, **settings_for(recipe, partial(recipe_for, prompt))})
+            words = ["mechstyle", "run", model, *dict.fromkeys(given), "--vertices", str(vertices), "--out", f"runs/{own}"]
             tasks.append(Task(model, prompt, shlex.join(words)))
     lines = ["# What to type\n", "Each run takes about a minute. Afterwards write your report and hand in the file.\n"]
     for model in dict.fromkeys(task.model for task in tasks):
         lines += [f"## {model}\n", "```sh", *(task.command for task in tasks if task.model == model), "```\n"]
-    lines += ["```sh", 'mechstyle report runs/STYLE --out "YOUR NAME.html"', "```\n"]
+    first = shlex.split(tasks[0].command)[-1]
+    lines += [f"Hand in, here that of {first}:\n", "```sh", f'mechstyle report {shlex.quote(first)} --out "YOUR NAME.html"', "```\n"]
     write_whole(folder / "commands.md", "\n".join(lines).encode())
     return tasks
 

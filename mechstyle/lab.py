@@ -1,4 +1,4 @@
-"""The second row of public names, for studies, plug-ins and teaching: `ms.lab.plan`, `ms.lab.begin` and others.
+"""The second row of public names, for studies, plug-ins and teaching: `ms.lab.plan`, `ms.lab.Draft` and others.
 
 Example:
     >>> ms.lab.material_named("PETG").density > ms.LIBRARY["PLA"].density

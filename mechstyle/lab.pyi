@@ -28,7 +28,7 @@ from mechstyle.records.regions import (
 )
 from mechstyle.runs.protection import ProtectedPart as ProtectedPart
 from mechstyle.runs.recipes import changed as changed, plan as plan
-from mechstyle.runs.run import begin as begin
+from mechstyle.runs.run import Draft as Draft
 from mechstyle.runs.session import Session as Session
 from mechstyle.simulation.part import Model as Model, Workpiece as Workpiece, prepare as prepare
 from mechstyle.simulation.simulator import DropSimulator as DropSimulator

@@ -8,19 +8,23 @@ from collections.abc import Mapping, Sequence
 from functools import cache
 from itertools import permutations
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
+from mechstyle.loop.store import Store
 from mechstyle.pictures import fields
-from mechstyle.pictures.figure import Panel
 from mechstyle.pictures.panels import Picture, bent_panel, exaggerated, field_panel, picture
 from mechstyle.records import Recipe, Row, sentences
 from mechstyle.records.mesh import Floats, TetMesh
 from mechstyle.runs.recipes import FREESTYLE, plan
-from mechstyle.runs.run import Run, begin
+from mechstyle.runs.run import Draft, Run
 from mechstyle.simulation.part import Model, Origin, Workpiece, prepare
+from mechstyle.simulation.simulator import Landed
+
+if TYPE_CHECKING:
+    from mechstyle.pictures.figure import Panel
 
 FOOT = 18.0
 """Radius of the trophy's foot [mm]."""
@@ -128,7 +132,7 @@ def box(counts: tuple[int, int, int], size: tuple[float, float, float]) -> TetMe
 
 
 def run(prompt: str = "brick", *, freely: bool = False, folder: str | Path = "runs", **changes: Any) -> Run:
-    """A finished run of the trophy; one that was made before in this folder is only opened.
+    """A finished run of the trophy; one that was made before in this folder is only opened, and no trophy is dropped twice for it.
 
     Args:
         prompt: The style.
@@ -137,8 +141,23 @@ def run(prompt: str = "brick", *, freely: bool = False, folder: str | Path = "ru
         changes: Settings besides `STYLE`.
     """
     recipe = settled(prompt, freely=freely, **changes)
-    name = hashlib.sha256(recipe.digest.encode()).hexdigest()[:8]
-    return begin(_ready(), recipe, Path(folder) / f"trophy-{name}", name="trophy", device="cpu").go()
+    place = Path(folder) / f"trophy-{hashlib.sha256(recipe.digest.encode()).hexdigest()[:8]}"
+    begun = Draft(recipe, _ready(), name="trophy", folder=place, device="cpu").begin()
+    if not begun.finished:
+        _teach(begun, [other for other in sorted(place.parent.glob("trophy-*")) if other.name != place.name])
+    return begun.go()
+
+
+def _teach(begun: Run, others: Sequence[Path]) -> None:
+    """Let a run know what was dropped for others, so that lessons do not wait for the same fall again.
+
+    A result is named by the digest of all that decides it, so only the same physics on the same tetrahedra is taken for known.
+    """
+    for memo in (Store(other).memo for other in others):
+        for key in memo.named():
+            landed = memo.recall(key, Landed)
+            if landed is not None:
+                begun.store.memo.remember(key, landed)
 
 
 def settled(prompt: str = "brick", *, freely: bool = False, **changes: Any) -> Recipe:
@@ -161,7 +180,7 @@ def stress(shown: Shown, title: str = "") -> Picture:
     for words, (one, at) in _at(shown):
         row, test = worst(one, at), one.simulation(at)
         quantity = fields.stress(one.recipe.test.material.yield_strength, row)
-        panels.append(field_panel(one.surface(at), quantity, quantity.of(test), title=words, note=sentences.figures(row)))
+        panels.append(field_panel(one.surface(at), quantity, quantity.values_in(test), title=words, note=sentences.figures(row)))
     return picture(panels, title=title)
 
 
@@ -187,6 +206,8 @@ def worst(one: Run, iteration: int) -> Row:
 
 
 def _looks(shown: Shown) -> list[Panel]:
+    from mechstyle.pictures.figure import Panel  # noqa: PLC0415 — matplotlib is loaded when a picture is wanted
+
     return [Panel(one.surface(at) if at else one.part.surface, words) for words, (one, at) in _at(shown)]
 
 

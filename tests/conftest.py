@@ -3,7 +3,6 @@
 import itertools
 import json
 import os
-import re
 import shutil
 from collections import Counter
 from collections.abc import Callable, Iterator
@@ -29,27 +28,34 @@ _CUBE_SIDES = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6,
 class ByFile(LoadScopeScheduling):  # type: ignore[misc]  # xdist has no types
     """Tests of a file share what was set up for them, in one worker and in order.
 
-    All tests in a browser are one file to it, because JupyterLab and Chromium take half a minute to start; notebooks, most of which share
-    nothing, fill the end.
+    All tests in a browser are one file to it, because JupyterLab and Chromium take half a minute to start, and so are all lessons, which
+    open one another's runs.
     """
 
     def _split_scope(self, nodeid: str) -> str:
-        file, _, test = nodeid.partition("::")
-        if file.startswith("tests/browser/"):
-            return "tests/browser"
-        return nodeid if "notebooks" in nodeid and not ONE_PART.search(test) else file
+        file = nodeid.partition("::")[0]
+        return next((folder for folder in FIRST if file.startswith(folder)), file)
 
 
+FIRST = ("tests/browser/", "tests/notebooks/")
+"""The longest, one to each of two workers; short files fill the end, so that both are done together."""
 STORED_TETS = Path(__file__).with_name("tets")
 """Tetrahedra of parts of the tests, as the cache keeps them by content: fTetWild takes seconds of a core for each, and gives others every
 time. What is missing here is meshed; with $MECHSTYLE_STORE_TETS at 1 it is here afterwards. How parts are meshed is tested in
 tests/geometry/remeshing, which keeps none."""
-ONE_PART = re.compile(r"notebook_runs\[0[345]")
-"""Notebooks that open runs of each other, in one folder."""
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Order files: the longest first, then by their number of tests."""
+    tests = Counter(item.path for item in items)
+    long = [item.nodeid.startswith(FIRST) for item in items]
+    order = sorted(range(len(items)), key=lambda at: (not long[at], not long[at] and -tests[items[at].path]))
+    items[:] = [items[at] for at in order]
 
 
 def pytest_xdist_make_scheduler(config: pytest.Config, log: object) -> ByFile:
     """How tests are shared among workers."""
+    config.option.loadscopereorder = False  # they are in order
     return ByFile(config, log)
 
 

@@ -10,13 +10,13 @@ import msgspec
 import pytest
 from typer.testing import CliRunner
 
-from mechstyle import classroom
 from mechstyle.classroom import as_file, collect, prepare
 from mechstyle.cli.app import app
 from mechstyle.errors import BadInput
 from mechstyle.runs.report.markup import script_json
 from mechstyle.runs.report.page import write_report
 from mechstyle.runs.report.result import Result, read_result, result_element
+from mechstyle.runs.run import Draft
 from support.lanes import lane_on_a_sheet
 
 GOOD = {
@@ -138,31 +138,35 @@ def prepared(monkeypatch, tmp_path):
             noted.append(recipe)
             return type("Simulator", (), {"baseline": None})
 
-    monkeypatch.setattr(classroom, "started", lambda recipe, part, **given: noted.append((part.name, recipe, given)) or Begun())
+    monkeypatch.setattr(Draft, "ready", lambda asked, **_: noted.append(asked) or asked)
+    monkeypatch.setattr(Draft, "begin", lambda _: Begun())
     tasks = prepare(["gallery:s_hook", "gallery:vase"], ["brick", "fish scales"], {"height": 1000.0}, folder=tmp_path)
     return tasks, noted, tmp_path
 
 
 def test_pupils_type_what_was_prepared(prepared):
     tasks, noted, folder = prepared
-    begun = [one for one in noted if isinstance(one, tuple)]
-    assert [(name, recipe.style.prompt) for name, recipe, _ in begun] == [
+    begun = [one for one in noted if isinstance(one, Draft)]
+    assert [(one.name, one.recipe.style.prompt) for one in begun] == [
         ("s_hook", "brick"), ("s_hook", "fish scales"), ("vase", "brick"), ("vase", "fish scales")
     ]  # fmt: skip
     assert noted.count("recipe") == 4  # every plain part was dropped
     page = (folder / "commands.md").read_text(encoding="utf-8")
-    for task, (_, recipe, given) in zip(tasks, begun, strict=True):
+    for task, one in zip(tasks, begun, strict=True):
         words = shlex.split(task.command)
         assert task.command in page
         assert words[:3] == ["mechstyle", "run", task.model]
         asked = dict(zip(words[3::2], words[4::2], strict=True))
-        assert asked["--prompt"] == recipe.style.prompt == task.prompt
-        assert (asked["--height"], asked["--iterations"]) == ("1 m", str(recipe.schedule.iterations))
-        assert asked["--vertices"] == str(given["vertices"])
+        assert asked["--prompt"] == one.recipe.style.prompt == task.prompt
+        assert (asked["--height"], asked["--iterations"]) == ("1 m", str(one.recipe.schedule.iterations))
+        assert asked["--vertices"] == str(one.vertices)
+    folders = [shlex.split(task.command)[-1] for task in tasks]
+    assert len(set(folders)) == len(tasks), "whoever types two of them would find the other's run in the folder"
+    assert f"mechstyle report {folders[0]} --out" in page
 
 
 def test_a_style_that_does_not_exist_is_refused_before_anything_is_meshed(monkeypatch, tmp_path):
-    monkeypatch.setattr(classroom, "started", lambda *_, **__: pytest.fail("it was begun"))
+    monkeypatch.setattr(Draft, "ready", lambda *_, **__: pytest.fail("it was begun"))
     with pytest.raises(BadInput):
         prepare(["gallery:s_hook"], ["brick", "crocodille"], {"control": "none such"}, folder=tmp_path)
     with pytest.raises(BadInput, match="at least one"):

@@ -2,6 +2,7 @@
 
 import ast
 import importlib
+import json
 import re
 import sys
 from pathlib import Path
@@ -13,7 +14,7 @@ import mechstyle
 from mechstyle.records.recipe import SETTINGS
 from mechstyle.records.sentences import EXPLANATION, MEANINGS
 from mechstyle.records.words import WORDS
-from mechstyle.runs.recipes import draft
+from mechstyle.runs.recipes import recipe_for
 from mechstyle.styling.prompt import reading_of
 from support import ROOT
 
@@ -100,7 +101,7 @@ def test_every_texture_that_the_page_for_slicers_names_is_read_as_the_page_says(
     assert len(rows) > 20
     for asked, style in rows:
         for name in re.findall(r"`(.+?)`", asked):
-            reading = reading_of(draft(prompt=name))
+            reading = reading_of(recipe_for(prompt=name))
             assert reading.words.split(",")[0] == style, name
             assert reading.notes == (), name
 
@@ -164,15 +165,16 @@ def test_a_page_runs_no_script_but_those_its_policy_names(tmp_path):
     assert check.unsealed(tmp_path) == ["page.html: no Content-Security-Policy"]
 
 
-def test_a_root_is_drawn_without_a_mathematical_font():
-    """Chromium wrote v = 2gh for v = √(2gh)."""
-    drawn = generated("page").with_roots("<msqrt><mn>2</mn><mi>h</mi></msqrt>")
-    assert drawn == '<mrow><mo stretchy="false">√</mo><mrow class="under-root"><mn>2</mn><mi>h</mi></mrow></mrow>'
-
-
-def test_a_figure_stays_on_one_line_with_its_unit():
-    whole = generated("page").unbroken("25 000 vertices, 45.6 MPa, 3 mm and 92 % in 2 ways")
-    assert whole.replace("\N{NO-BREAK SPACE}", "_") == "25_000 vertices, 45.6_MPa, 3_mm and 92_% in 2 ways"
+def test_code_that_a_lesson_folds_is_folded_on_the_site_and_a_figure_keeps_its_words():
+    lesson = json.loads(next((ROOT / "notebooks").glob("02_*.ipynb")).read_text(encoding="utf-8"))
+    shown = json.loads(generated("page").as_in_lab(json.dumps(lesson)))
+    folded = [bool(cell["metadata"].get("jupyter", {}).get("source_hidden")) for cell in lesson["cells"]]
+    assert ["hide-input" in cell["metadata"].get("tags", []) for cell in shown["cells"]] == folded
+    code = [cell for cell in lesson["cells"] if cell["cell_type"] == "code"]
+    first = next(place for place, cell in enumerate(code) if "alt" in cell["metadata"])
+    assert all(cell["metadata"]["jupyter"]["source_hidden"] for cell in code[: first + 1]), "it begins with a picture"
+    words = [cell["metadata"]["mystnb"]["image"]["alt"] for cell in shown["cells"] if "alt" in cell["metadata"]]
+    assert words == [cell["metadata"]["alt"] for cell in lesson["cells"] if "alt" in cell["metadata"]]
 
 
 def test_the_citation_names_this_version():

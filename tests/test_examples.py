@@ -23,7 +23,11 @@ def folder(tmp_path_factory):
     return tmp_path_factory.mktemp("examples")
 
 
-@pytest.mark.parametrize("name", mechstyle.__all__)
+SIMULATED = {"PartTest", "simulate", "Verdict", "Run", "stylize"}
+"""Names whose examples simulate a part; the first of them takes the time for all."""
+
+
+@pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.slow] * (name in SIMULATED)) for name in mechstyle.__all__])
 def test_the_example_of_a_name_gives_what_it_says(name, folder, monkeypatch):
     monkeypatch.chdir(folder)
     tests = list(examples_of(name))

@@ -34,6 +34,7 @@ ONCE_WRONG = (("part.3mf", 7), ("part.3mf", 301), ("part.obj", 366), ("store", 1
 """Cases of the fuzzer that crashed, took a gigabyte or two minutes, or showed a traceback."""
 
 
+@pytest.mark.slow
 def test_five_hundred_hostile_files_and_command_lines_are_read_or_refused_in_a_sentence(tmp_path):
     """In a process of its own, as one of them may end it, and memory is told of a process as a whole."""
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), str(ROOT / "tests")])}

@@ -12,8 +12,7 @@ from mechstyle._files import exclusive
 from mechstyle.cli import inspect_run
 from mechstyle.cli.app import app
 from mechstyle.errors import BadInput
-from mechstyle.runs import run as runs
-from mechstyle.runs.run import Run
+from mechstyle.runs.run import Draft, Run
 from mechstyle.simulation import part_test
 from mechstyle.simulation.part import standardised
 from support.lanes import lane_on_a_sheet
@@ -38,7 +37,7 @@ def _nothing_slow(monkeypatch):
     def late(*_args, **_settings):
         pytest.fail("the part was made ready before the mistake was found")
 
-    monkeypatch.setattr(runs, "made_ready", late)
+    monkeypatch.setattr(Draft, "_prepared", late)
     monkeypatch.setattr(part_test, "_prepared", late)
 
 
@@ -47,7 +46,7 @@ def lane(tmp_path, monkeypatch):
     """A finished run in the folder `runs/lane` of where one works."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "parts").mkdir()
-    lane_on_a_sheet(tmp_path / "runs" / "lane")
+    lane_on_a_sheet(tmp_path / "runs" / "lane", iterations=10)
     return Run.open("runs/lane", "cpu")
 
 
@@ -115,7 +114,8 @@ def test_a_mistake_is_said_in_a_sentence_before_anything_slow(mistake, said, lan
 
 
 def test_a_setting_that_does_nothing_is_said_in_python_too(caplog, monkeypatch):
-    monkeypatch.setattr(runs, "started", lambda *_args, **_settings: SimpleNamespace(go=lambda _: None))
+    begun = SimpleNamespace(begin=lambda: SimpleNamespace(go=lambda _: None))
+    monkeypatch.setattr(Draft, "ready", lambda *_args, **_settings: begun)
     ms.stylize(box(), "brick", travel=0.2)
     assert "travel does nothing without the schedule geometry or stress" in caplog.text
 
@@ -133,7 +133,7 @@ def test_who_stops_before_anything_was_saved_learns_it(monkeypatch, tmp_path):
     def interrupted(*_args, **_settings):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(runs, "made_ready", interrupted)
+    monkeypatch.setattr(Draft, "_prepared", interrupted)
     done = CliRunner().invoke(app, ["run", "gallery:drawer_knob", "-p", "brick", "--out", str(tmp_path / "part")])
     assert done.exit_code == 130
     assert "interrupted; nothing was saved" in done.stderr

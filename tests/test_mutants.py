@@ -3,6 +3,7 @@
 import importlib.util
 import json
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -58,15 +59,50 @@ def test_a_change_that_tests_notice_is_killed_and_one_they_do_not_survives_and_n
     files = {path: path.read_bytes() for path in house.rglob("*") if path.is_file()}
     seen = changed(house, "LIMIT: int = 3", "LIMIT: int = 4")
     unseen = changed(house, "values *= 2", "pass")
-    assert mutants.passes(house, None, "tests/test_thing.py", 60.0)
-    assert not mutants.passes(house, seen, "tests/test_thing.py", 60.0)
-    assert mutants.passes(house, unseen, "tests/test_thing.py", 60.0)
+    assert mutants.passes(house, None, ["tests/test_thing.py"], 60.0)
+    assert not mutants.passes(house, seen, ["tests/test_thing.py"], 60.0)
+    assert mutants.passes(house, unseen, ["tests/test_thing.py"], 60.0)
     assert {path: path.read_bytes() for path in house.rglob("*") if path.is_file()} == files
 
 
 def test_a_change_after_which_tests_never_end_is_killed(house):
     (house / "tests/test_thing.py").write_text("import house.thing\n\ndef test_for_ever():\n    while True:\n        pass\n")
-    assert not mutants.passes(house, None, "tests/test_thing.py", 1.0)
+    assert not mutants.passes(house, None, ["tests/test_thing.py"], 1.0)
+
+
+def test_what_reads_the_source_of_a_function_as_warp_does_reads_that_of_the_mutant(house):
+    (house / "tests/test_thing.py").write_text(
+        "import inspect\nimport house.thing\n\ndef test_source():\n    assert '*= 2' in inspect.getsource(house.thing.doubled)\n"
+    )
+    assert mutants.passes(house, None, ["tests/test_thing.py"], 60.0)
+    assert not mutants.passes(house, changed(house, "values *= 2", "values *= 3"), ["tests/test_thing.py"], 60.0)
+
+
+def test_what_is_drawn_is_of_all_modules_and_the_same_for_a_seed(house, monkeypatch):
+    monkeypatch.setattr(mutants, "PRODUCT", {"house": "tests"})
+    every = mutants.mutants(house, "house/thing.py")
+    drawn = mutants.draw(house, 5, 3)
+    assert len(set(drawn)) == 5
+    assert set(drawn) <= set(every)
+    assert drawn == mutants.draw(house, 5, 3)
+    assert drawn != mutants.draw(house, 5, 4)
+    assert mutants.draw(house, 1000, 0) == every
+
+
+def test_a_module_has_the_files_of_its_name_or_those_that_import_it_or_those_of_the_nearest_folder(house, monkeypatch):
+    monkeypatch.setattr(mutants, "PRODUCT", {"house": "tests"})
+    for path, text in {
+        "tests/test_thing_large.py": "",
+        "tests/test_user.py": "from house.room import other\n",
+        "tests/room/test_stranger.py": "import house.room.another\n",
+        "house/room/other.py": "",
+        "house/room/nook/alone.py": "",
+    }.items():
+        (house / path).parent.mkdir(parents=True, exist_ok=True)
+        (house / path).write_text(text)
+    assert mutants.tests_of(house, "house/thing.py") == ("tests/test_thing.py", "tests/test_thing_large.py")
+    assert mutants.tests_of(house, "house/room/other.py") == ("tests/test_user.py",)
+    assert mutants.tests_of(house, "house/room/nook/alone.py") == ("tests/room/test_stranger.py",)
 
 
 @pytest.fixture
@@ -74,6 +110,7 @@ def unseen(house, monkeypatch):
     """A run over the house in which no test notices anything; calling it with explanations and the allowed share gives its status."""
     monkeypatch.setattr(mutants, "ROOT", house)
     monkeypatch.setattr(mutants, "MODULES", ("house/thing.py",))
+    monkeypatch.setattr(mutants, "PRODUCT", {"house": "tests"})
     monkeypatch.setattr(mutants, "passes", lambda *_: True)
     monkeypatch.setattr(sys, "argv", ["mutants.py", "--per-module", "3"])
 
@@ -106,16 +143,17 @@ def test_each_survivor_must_be_explained(house, unseen, capsys):
 
 
 @pytest.mark.parametrize("module", mutants.MODULES)
-def test_every_mutant_of_a_listed_module_is_python_and_the_module_has_tests(module):
-    assert (ROOT / mutants.tests_of(module)).is_file()
-    found = mutants.mutants(ROOT, module)
-    assert len(found) > 20
-    for mutant in found:
+def test_mutants_of_a_listed_module_are_python_and_the_module_has_tests(module):
+    mirrored = (ROOT / "tests").joinpath(*Path(module).parts[1:-1], f"test_{Path(module).name}")
+    assert mirrored.relative_to(ROOT).as_posix() in mutants.tests_of(ROOT, module)
+    assert len(mutants.mutants(ROOT, module)) > 20
+    for mutant in mutants.sample(ROOT, module, 60, 0):
         compile(mutant.source(ROOT), module, "exec")
 
 
 def test_every_explanation_speaks_of_a_mutant_that_there_is():
-    known = {mutant.key(ROOT) for module in mutants.MODULES for mutant in mutants.mutants(ROOT, module)}
-    for key, why in mutants.explanations().items():
+    explained = mutants.explanations()
+    known = {mutant.key(ROOT) for module in {module for module, _, _ in explained} for mutant in mutants.mutants(ROOT, module)}
+    for key, why in explained.items():
         assert key in known, key
         assert why.endswith("."), key

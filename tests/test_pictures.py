@@ -10,6 +10,7 @@ from PIL import Image
 
 from mechstyle.simulation.physics import PHYSICS_VERSION
 from support import ROOT
+from support.records import row, verdict
 
 
 @pytest.fixture(scope="module")
@@ -51,14 +52,19 @@ def test_a_picture_that_was_changed_by_hand_or_is_new_is_found(pictures, tmp_pat
     monkeypatch.setattr(pictures, "DOCS", tmp_path)
     monkeypatch.setattr(pictures, "ROOT", tmp_path)
     monkeypatch.setattr(pictures, "LIST", tmp_path / "pictures.json")
-    (tmp_path / "README.md").write_text("![a](docs/demo.png) ![b](leaf.png) ![c](gone.png)", encoding="utf-8")
-    for name, colour in (("demo", "red"), ("leaf", "blue"), ("unused", "grey")):
+    (tmp_path / "README.md").write_text("![a](docs/tutorial.png) ![b](leaf.png) ![c](gone.png)", encoding="utf-8")
+    for name, colour in (("tutorial", "red"), ("leaf", "blue"), ("unused", "grey")):
         Image.new("RGB", (4, 3), colour).save(tmp_path / f"{name}.png")
-    pictures.note({"demo": ("demo", [])})
+    pictures.note({"tutorial": ("tutorial", [])})
     first = msgspec.json.decode((tmp_path / "pictures.json").read_bytes())
-    assert {name: one["physics"] for name, one in first.items()} == {"demo": PHYSICS_VERSION, "leaf": None}
-    Image.new("RGB", (4, 3), "green").save(tmp_path / "demo.png")
+    assert {name: one["physics"] for name, one in first.items()} == {"tutorial": PHYSICS_VERSION, "leaf": None}
+    Image.new("RGB", (4, 3), "green").save(tmp_path / "tutorial.png")
     pictures.note({})
     again = msgspec.json.decode((tmp_path / "pictures.json").read_bytes())
-    assert again["demo"]["digest"] != first["demo"]["digest"]
-    assert again["demo"]["physics"] == PHYSICS_VERSION
+    assert again["tutorial"]["digest"] != first["tutorial"]["digest"]
+    assert again["tutorial"]["physics"] == PHYSICS_VERSION
+
+
+@pytest.mark.parametrize(("doubts", "words"), [((), "holds, 0.06 mm"), (("the mesh is thicker",), "holds, not sure, 0.06 mm")])
+def test_a_picture_says_of_a_verdict_that_it_is_not_sure(pictures, doubts, words):
+    assert pictures.in_three_words(verdict(row(0.06), doubts=doubts)) == words

@@ -141,6 +141,7 @@ def falls() -> dict[str, ms.lab.PartTest]:
     return {height: ms.simulate(part, vertices=SMALL, **{**ways, "height": height}) for height in ("0.5 m", "1 m", "2 m", "4 m")}
 
 
+@pytest.mark.slow
 def test_holds_means_that_no_landing_that_was_asked_for_bends_it_beyond_the_tolerance(run, falls):
     tests = [entry.verdict for entry in run.history if entry.verdict] + [fall.verdict for fall in falls.values()]
     assert {verdict.outcome for verdict in tests} >= {"HOLDS", "FAILS"}
@@ -150,6 +151,7 @@ def test_holds_means_that_no_landing_that_was_asked_for_bends_it_beyond_the_tole
     assert all(row.decides for fall in falls.values() for row in fall.verdict.rows)
 
 
+@pytest.mark.slow
 def test_from_twice_the_height_no_less_stays_bent_and_the_outcome_is_no_better(falls):
     lower = [fall.verdict for fall in falls.values()]
     for below, above in itertools.pairwise(lower):
@@ -158,6 +160,7 @@ def test_from_twice_the_height_no_less_stays_bent_and_the_outcome_is_no_better(f
             assert more.permanent_set >= less.permanent_set - 1e-9, more.landing
 
 
+@pytest.mark.slow
 def test_a_wider_tolerance_and_a_lower_fall_never_turn_a_part_that_holds_into_one_that_fails(falls):
     strict, wide = (ms.simulate(ms.load(str(BOX)), vertices=SMALL, **{**DROPS, "orientations": 4, "height": "1 m", "tolerance": t})
                     for t in ("0.01 mm", "9 mm"))  # fmt: skip
@@ -213,6 +216,7 @@ def test_what_cannot_be_read_is_refused_by_one_sentence_everywhere_and_nothing_i
 # --- one answer everywhere -----------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_python_command_line_and_studio_give_the_same_figures(run, folder):
     printed = command("run", BOX, "--prompt", "brick", "--vertices", SMALL, *typed(ASKED), "--out", folder / "typed", "--json").json
     assert [row["permanent_set"] for row in printed["rows"]] == [row.permanent_set for row in run.verdict.rows]
@@ -239,6 +243,7 @@ def test_the_trophy_is_the_same_in_lesson_python_and_studio(folder):
         assert figures(made.run.verdict) == figures(lesson.verdict)
 
 
+@pytest.mark.slow
 def test_a_second_run_equals_the_first_and_the_same_call_only_opens_it(run, folder):
     again = command("rerun", run.store.root, "--out", folder / "again", "--json").json
     assert again["equal"]
@@ -259,6 +264,7 @@ def test_other_settings_leave_a_finished_run_as_it_is(run):
 # --- pictures and pages ---------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_caption_is_of_the_iteration_that_is_on_show(run):
     """Tested ones by their outcome, the others as not tested since the last test before."""
     tested = {entry.iteration: entry.verdict for entry in run.history if entry.verdict}
@@ -272,6 +278,14 @@ def test_a_caption_is_of_the_iteration_that_is_on_show(run):
             np.testing.assert_allclose(made.viewer.subject.mesh.vertices, run.surface(iteration).vertices)
             shown = command("show", f"{run.store.root}@{iteration}", "--out", run.store.root.parent / "shown.png", "--json").json
             assert (shown["iteration"], shown["verdict"] is not None) == (iteration, iteration in tested)
+
+
+def test_over_a_picture_of_a_doubtful_verdict_stands_that_it_is_not_sure(run, monkeypatch):
+    titles = []
+    monkeypatch.setattr("mechstyle.runs.run.picture", lambda *_, title: titles.append(title))
+    run.show()
+    assert not run.verdict.sure
+    assert titles == [f"{run.record.name}, iteration 12: {run.verdict.short} (not sure)"]
 
 
 def test_before_a_run_nothing_is_called_tested():
@@ -292,6 +306,7 @@ def test_a_report_is_one_file_that_loads_nothing_and_says_the_verdict(run, folde
 # --- stopping, reopening, branching ---------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_stopped_closed_and_opened_again_it_shows_what_was_and_goes_on_to_the_same(run, folder):
     where = folder / "stopped"
     with studio(BOX, prompt="brick", vertices=SMALL, folder=str(where), **ASKED) as made:

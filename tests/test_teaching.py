@@ -8,6 +8,7 @@ import pytest
 from mechstyle import teaching
 from mechstyle.errors import BadInput
 from mechstyle.simulation.part import prepare
+from mechstyle.simulation.simulator import DropSimulator
 
 
 @pytest.mark.parametrize(("stem", "head", "lean"), [(10.0, 30.0, 12.0), (12.0, 28.0, 0.0), (9.0, 28.0, 8.0), (14.0, 36.0, 0.0)])
@@ -60,6 +61,21 @@ def test_runs_with_other_settings_have_folders_of_their_own_and_the_same_is_foun
     assert {**masked.recipe.settings, "tolerance": teaching.STYLE["tolerance"]}.items() >= teaching.STYLE.items()
     with pytest.raises(BadInput):
         teaching.run(folder=tmp_path, no_such_setting=1)
+
+
+def test_a_trophy_that_another_run_has_dropped_is_not_dropped_again(tmp_path, monkeypatch):
+    dropped = DropSimulator.dropped
+    falls = []
+    monkeypatch.setattr(DropSimulator, "dropped", lambda *asked: (falls.append(asked), dropped(*asked))[1])
+    quick = {"folder": tmp_path, "iterations": 2, "window": 0.1, "element": "tet4", "guarantee": False}
+    first = teaching.run(**quick)
+    before = len(falls)
+    again = teaching.run(**quick, every=7)
+    assert again.store.root != first.store.root
+    assert len(falls) == before > 0
+    assert again.simulation().landings == first.simulation().landings
+    assert teaching.run(**quick, relief=1.0).finished
+    assert len(falls) == before + 1, "another relief is another fall"
 
 
 def test_a_table_is_even_in_a_terminal_and_plain_in_a_notebook():

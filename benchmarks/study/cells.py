@@ -31,7 +31,7 @@ from mechstyle.loop.correction import NEAREST
 from mechstyle.records import Recipe, Verdict, sentences
 from mechstyle.records.load_cases import Load, LoadCase
 from mechstyle.records.mesh import SurfaceMesh
-from mechstyle.runs.run import Run, started
+from mechstyle.runs.run import Draft, Run
 from mechstyle.simulation import part
 from mechstyle.simulation.part import prepare
 from mechstyle.simulation.physics import PHYSICS_VERSION
@@ -191,7 +191,7 @@ class Cell(msgspec.Struct, frozen=True, kw_only=True):
         model, recipe = load(self.model), self.recipe
         if self.load_share:
             recipe = with_loads(recipe, model, self.vertices, share=self.load_share, folder=out / "loads")
-        return started(recipe, model, vertices=self.vertices, out=where, name=self.part, device=self.device).go()
+        return Draft(recipe, model, self.vertices, self.part, where, self.device).begin().go()
 
     def row(self, **figures: Any) -> Row:
         """A row with its factors and these figures."""

@@ -15,7 +15,7 @@ from benchmarks.study.cells import Cell
 from mechstyle.errors import BadInput, unknown
 from mechstyle.gallery import PREFIX, entry, load, names
 from mechstyle.records.mesh import STANDARD_VERTICES
-from mechstyle.runs.recipes import FREESTYLE, draft
+from mechstyle.runs.recipes import FREESTYLE, recipe_for
 
 STYLES = ("brick", "stone", "cactus", "realistic", "crochet", "green")
 """The six styles of the published study, in its order."""
@@ -135,7 +135,7 @@ class Factors:
 
     def cell(self, model: str, style: str, seed: int, arm: str, **settings: Any) -> Cell:
         """A cell of these factors."""
-        recipe = draft(style, **{"seed": seed, "iterations": self.iterations, **self.settings, **settings})
+        recipe = recipe_for(style, **{"seed": seed, "iterations": self.iterations, **self.settings, **settings})
         floors = tuple(self.floors) if recipe.restraint.control == "none" else ()
         return Cell(
             model=model, arm=arm, recipe=recipe, vertices=self.vertices, device=self.device, tetrahedra=self.tetrahedra, floors=floors

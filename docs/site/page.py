@@ -2,6 +2,7 @@
 
 import base64
 import hashlib
+import json
 import re
 
 WIDGET = "application/vnd.jupyter.widget-view+json"
@@ -30,6 +31,17 @@ def stopped(page: str) -> list[str]:
     if "Content-Security-Policy" not in page:
         return ["no Content-Security-Policy"]
     return [script.strip()[:60] for script in SCRIPT.findall(page) if digest(script) not in page]
+
+
+def as_in_lab(text: str) -> str:
+    """A notebook whose figures carry the words of their cell, and whose code is folded where it is in JupyterLab."""
+    notebook = json.loads(text)
+    for cell in notebook["cells"]:
+        if cell["metadata"].get("jupyter", {}).get("source_hidden"):
+            cell["metadata"]["tags"] = [*cell["metadata"].get("tags", []), "hide-input"]
+        if "alt" in cell["metadata"]:
+            cell["metadata"]["mystnb"] = {"image": {"alt": cell["metadata"]["alt"]}}
+    return json.dumps(notebook)
 
 
 def unbroken(text: str) -> str:

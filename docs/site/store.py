@@ -44,11 +44,11 @@ def stored(executed: nbformat.NotebookNode, notebook: nbformat.NotebookNode) -> 
 
 
 if __name__ == "__main__":
-    for place in map(Path, sys.argv[1:]):
-        begun = time.perf_counter()
-        plain = nbformat.read(place, as_version=4)
-        with tempfile.TemporaryDirectory() as folder:
+    with tempfile.TemporaryDirectory() as folder:  # one for all of them, as in a class: each opens what an earlier one ran
+        for place in map(Path, sys.argv[1:]):
+            begun = time.perf_counter()
+            plain = nbformat.read(place, as_version=4)
             client = NotebookClient(nbformat.read(place, as_version=4), kernel_name="python3", resources={"metadata": {"path": folder}})
             executed_now = client.execute()
-        nbformat.write(stored(executed_now, plain), place)
-        print(f"{place}: {place.stat().st_size / 1000:.0f} kB, {time.perf_counter() - begun:.0f} s", flush=True)
+            nbformat.write(stored(executed_now, plain), place)
+            print(f"{place}: {place.stat().st_size / 1000:.0f} kB, {time.perf_counter() - begun:.0f} s", flush=True)

@@ -107,7 +107,7 @@ IN_CLASS = 3_000
 @command
 @recipe_options("iterations", "material", "height", "tolerance", "schedule", "nearly_flat", begins=False, others=True)
 def prepare_command(
-    models: Annotated[list[str], typer.Argument(metavar="MODEL...", help="Files (STL, OBJ, PLY, GLB, 3MF) or gallery:NAME.")],
+    models: Annotated[list[str], typer.Argument(metavar="MODEL...", help="Files (STL, OBJ, PLY, GLB, 3MF, STEP) or gallery:NAME.")],
     settings: Settings,
     prompts: Annotated[list[str], typer.Option("--prompt", "-p", help="A style, in words. May be given several times.")],
     folder: Annotated[Path, typer.Option("--out", help="Folder for the list of commands and the prepared runs.")] = Path("class"),

@@ -82,7 +82,7 @@ def orient_command(
     as_json: Json = False,
 ) -> None:
     """Rank ways up to print a part by what stays bent of it with such layers, by overhang and by height."""
-    from mechstyle.runs.orient import ways_up  # noqa: PLC0415 — loaded when wanted
+    from mechstyle.runs.orient import ALIKE, LITTLE, ways_up  # noqa: PLC0415 — loaded when wanted
     from mechstyle.runs.run import Run  # noqa: PLC0415
 
     if address.startswith(PREFIX) or Path(address).is_file():
@@ -103,8 +103,9 @@ def orient_command(
         rows.add_row(way.name, up, bent, used, f"{way.overhang / 100:.1f}", f"{way.height:.1f}", f"{way.base / 100:.1f}")
     out.print(rows)
     out.print(f"\n{escape(found.layers)}")
-    alike = "what differs by less than a twentieth of what is allowed counts as alike; then less overhang, then less height comes first"
-    out.print(f"[dim]{alike}; the part lands as before, only its layers lie otherwise; {found.drops} drop tests were run or recalled[/]")
+    alike = f"below {LITTLE + ALIKE:.0%} of what is allowed all count as alike, above it those in one tenth"
+    then = f"then less overhang comes first, then less height; {found.drops} drop tests were run or recalled"
+    out.print(f"[dim]{alike}; {then}. The part lands as before, only its layers lie otherwise.[/]")
 
 
 @app.command("report")

@@ -19,13 +19,14 @@ from mechstyle.gallery import PREFIX, use_of
 from mechstyle.records.mesh import QUICK_VERTICES, STANDARD_VERTICES
 from mechstyle.records.recipe import CHAPTER_OF, DEFAULTS, OPTIONS, SETTINGS, TYPES, described
 from mechstyle.records.regions import KINDS
+from mechstyle.records.sliced import SLICERS
 from mechstyle.records.written import READERS, written
 
 MACHINE = "Part and machine"
 """Heading of the options that are no settings; those that are stand under their chapter's name."""
 DEFAULTS_MAY_CHANGE = "Defaults in parentheses are the recipe's; --control, --criterion, --poses and --standard may bring others."
 
-Model = Annotated[str, typer.Argument(metavar="MODEL", help="A file (STL, OBJ, PLY, GLB, 3MF) or gallery:NAME.")]
+Model = Annotated[str, typer.Argument(metavar="MODEL", help="A file (STL, OBJ, PLY, GLB, 3MF, STEP) or gallery:NAME.")]
 READ_AS = 'Add "#unit=in", "#size=120" or "#body=lid" to a file to say how it is read.'
 OF_MACHINE = partial(typer.Option, rich_help_panel=MACHINE)
 DETAIL = "Vertices of the surface, 500 to 400 000; beyond 25 000 only as many as edges of 0.6 mm need."
@@ -185,9 +186,7 @@ def _parameter(name: str, *, begins: bool, hidden: bool = False) -> Parameter:
 
 def _sliced(*, hidden: bool) -> Parameter:
     """The option that reads how a part is printed from what a slicer made of it."""
-    known = (
-        "Read walls, layers and infill from the G-code of PrusaSlicer, OrcaSlicer, Bambu Studio or Cura; options beside it go before it."
-    )
+    known = f"Read walls, layers and infill from the G-code of {', '.join(SLICERS)}; options beside it go before it."
     option = typer.Option("--sliced", metavar="FILE", help=known, rich_help_panel=panel_of("infill"), hidden=hidden)
     return Parameter("sliced", Parameter.KEYWORD_ONLY, annotation=Annotated[Path | None, option], default=None)
 

@@ -64,13 +64,13 @@ def carry_out(
 ) -> Any:
     """Run a stylization with progress; the finished run, its part exported and pictured. What was said of it is added to `said`."""
     from mechstyle.fea.drop import resolve_device  # noqa: PLC0415 — physics is loaded when something is run
-    from mechstyle.runs.recipes import draft, expected, idle  # noqa: PLC0415
-    from mechstyle.runs.run import started  # noqa: PLC0415
+    from mechstyle.runs.recipes import expected, idle, recipe_for  # noqa: PLC0415
+    from mechstyle.runs.run import Draft  # noqa: PLC0415
     from mechstyle.simulation.estimate import estimated  # noqa: PLC0415
     from mechstyle.styling.prompt import reading_of  # noqa: PLC0415
 
     vertices = (QUICK_VERTICES if quick else STANDARD_VERTICES) if vertices is None else check_vertices(vertices)
-    wanted = draft(**settings, freestyle=freestyle)
+    wanted = recipe_for(**settings, freestyle=freestyle)
     device = resolve_device(device)
     said = set() if said is None else said
     read = None if wanted.style.stylizer or wanted.style.guidance != "offline" else reading_of(wanted)
@@ -82,10 +82,8 @@ def carry_out(
         err.print(f"[dim]{escape(estimated(wanted, vertices).words)}[/]")
     with progress_shown(wanted.schedule.iterations, quiet=as_json, said=said) as teller:
         with nullcontext() if folder is None else _interruptible(folder):
-            run = started(
-                wanted, mesh, vertices=vertices, out=folder, name=name, device=device, stage=teller.stage, warn=teller.warn, beside=False,
-                shown=teller.shown,
-            )  # fmt: skip
+            asked = Draft(wanted, mesh, vertices, name, folder, device, beside=False)
+            run = asked.ready(stage=teller.stage, warn=teller.warn, shown=teller.shown).begin()
         return finish(run, teller)
 
 

@@ -129,7 +129,7 @@ def _report(dropped: PartTest, files: dict[str, str], *, details: bool) -> None:
         follows = f"the mesh follows {dropped.simulation.carried:.0%} of it"
         out.print(f"relief {dropped.relief.min():.2f} to {dropped.relief.max():.2f} mm over the original, {follows}")
     else:
-        out.print("[dim]tested by itself: --original FILE compares a styled part with the plain one, as in its run[/]")
+        out.print("[dim]if this is a styled part, --original FILE compares it with its plain part, as in its run[/]")
     if dropped.warning:
         err.print(f"[yellow]warning:[/] {escape(dropped.warning)}")
 

@@ -44,7 +44,7 @@ class Relative:
         """Stress that the solid would have at the strain at which the body yields, over the solid's strength, [tet_count, points]."""
         return self.strength / self.stiffness
 
-    def of(self, which: Indices) -> Relative:
+    def subset(self, which: Indices) -> Relative:
         """That of some tetrahedra."""
         return Relative(self.density[which], self.stiffness[which], self.strength[which])
 
@@ -118,9 +118,10 @@ class Discretisation:
 def discretise(
     tets: TetMesh, material: Material, added_mass: float, element: Element = LINEAR, relative: Relative | None = None
 ) -> Discretisation:
-    """Number a body and lump its masses, made heavier by the share `added_mass` of the whole where that lengthens the stable step most.
+    """Number a body and lump its masses, made heavier by the share `added_mass` of the solid where that lengthens the stable step most.
 
-    `relative` is what it has of the solid's properties, tetrahedra in the caller's numbering; None for a solid body.
+    `relative` is what it has of the solid's properties, tetrahedra in the caller's numbering; None for a solid body. Slivers lie at the
+    surface, where a print is solid: with what the solid may add they get as heavy, and the step as long, as in the solid.
 
     BadInput if there is no tetrahedron, a vertex is not finite or a tetrahedron is flat or inverted.
     """
@@ -139,11 +140,12 @@ def discretise(
     lumped = np.empty(len(mesh.nodes))
     density = 1.0 if relative is None else relative.density.mean(axis=1)
     lumped[place] = lumped_masses(mesh, material.density * density * mesh.tets.volumes)
-    ordered = None if relative is None else relative.of(tet_order)
+    of_solid = 1.0 if relative is None else float(material.density * mesh.tets.volumes.sum() / lumped.sum())
+    ordered = None if relative is None else relative.subset(tet_order)
     factors = None if ordered is None else ordered.stiffness
     stiffness = Stiffness(numbering.pairs, gradients, volumes, element, material, factors)
     slower = 1.0 if ordered is None else np.sqrt(ordered.stiffness.max(axis=1) / ordered.density.mean(axis=1))
-    masses, highest, limit = lengthened(stiffness.norms, lumped, added_mass)
+    masses, highest, limit = lengthened(stiffness.norms, lumped, added_mass * of_solid)
     return Discretisation(
         mesh=mesh, vertices=numbering.vertices, place=place, tet_order=tet_order, connectivity=place[connectivity], gradients=gradients,
         volumes=volumes, masses=masses, added_mass=float(masses.sum() / lumped.sum() - 1.0), highest=highest,

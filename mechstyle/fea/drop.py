@@ -68,7 +68,7 @@ class DropTest:
             displacement u + β_e v, β_e = 2 ξ/ω_e.
         law: Elastic law, one of `elasticity.LAWS`.
         element: "tet10", or "tet4" as in the published study: linear tetrahedra lock, in a one-layer wall to a sixth of its deflection.
-        added_mass: Mass added where it lengthens the step most, over the mass of the part; see `discretisation`. It makes the step 1.3 to
+        added_mass: Mass added where it lengthens the step most, over that of the solid part; see `discretisation`. It makes the step 1.3 to
             1.5 times as long as a tenth of it, and moves σ_V by 1 % at most; with 0.01 it would move by up to 4 %.
         quiet: Time without contact after which a phase of the impact is over, over the lowest period of the part.
         safety: Time step over a limit that is stable for certain at small strain. What bends, 0.95 leaves as 0.6 does, within 1 % of ε_p;

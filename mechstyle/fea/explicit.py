@@ -158,21 +158,18 @@ class Starts:
     @classmethod
     def together(cls, starts: Sequence[Starts]) -> Starts:
         """Several in a row, all of bodies that have flowed or none."""
-        return cls(*(_concatenated([getattr(start, field.name) for start in starts]) for field in fields(cls)))
+        rows = ([getattr(start, field.name) for start in starts] for field in fields(cls))
+        joined: list[Any] = [None if row[0] is None else np.concatenate(row) for row in rows]
+        return cls(*joined)
 
     def __len__(self) -> int:
         """Orientations."""
         return len(self.normals)
 
-    def of(self, which: slice) -> Starts:
+    def subset(self, which: slice) -> Starts:
         """Some of them."""
         flowed = None if self.plastic is None else self.plastic[which]
         return Starts(self.normals[which], self.heights[which], self.displacements[which], self.velocities[which], flowed)
-
-
-def _concatenated(arrays: Sequence[Any]) -> Any:
-    """The arrays in a row; None if the first is none."""
-    return None if arrays[0] is None else np.concatenate(arrays)
 
 
 class State(Protocol):

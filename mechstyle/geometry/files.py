@@ -176,8 +176,8 @@ def _placed(things: tuple[Thing, ...], matrix: Floats) -> list[Thing]:
 
 def _left_out(held: Held, matrix: Floats) -> list[str]:
     """A sentence for each piece that is no material."""
-    said = [f"left out {aside.words(matrix)}" for aside in held.asides[:MOST_SAID]]
-    more = len(held.asides) - len(said)
+    said = [f"left out {one.words(matrix)}" for one in held.unprinted[:MOST_SAID]]
+    more = len(held.unprinted) - len(said)
     return [*said, *([f"left out {more} more that are not printed"] if more else [])]
 
 
@@ -193,7 +193,7 @@ def _checked_content(file: Path) -> Held:
         raise BadInput(f"{file.name} holds no triangles: it is no mesh, or was cut off; export it again")
     if count > MOST_FACES:
         raise BadInput(f"{file.name} has {count} faces, more than {MOST_FACES}: simplify it in the program it was made with")
-    for _, vertices, faces in (*pieces, *(aside.piece for aside in held.asides)):
+    for _, vertices, faces in (*pieces, *(one.piece for one in held.unprinted)):
         if vertices.shape[1:] != (3,):
             raise BadInput(f"{file.name} has vertices of {vertices.shape[-1]} coordinates instead of 3; export it again as a part in space")
         if not (np.abs(vertices) < ENDLESS).all():

@@ -131,9 +131,9 @@ def plain(content: bytes) -> tuple[bytes, tuple[str, ...]]:
                 continue
             coloured |= "COLOR_0" in primitive["attributes"]
             primitive.pop("extensions", None)  # what they hold besides is not needed, or refused before
-            primitive["attributes"] = {"POSITION": _plain(document, binary, position, rewritten)}
+            primitive["attributes"] = {"POSITION": _dense_accessor(document, binary, position, rewritten)}
             if indices is not None:
-                primitive["indices"] = _plain(document, binary, indices, rewritten)
+                primitive["indices"] = _dense_accessor(document, binary, indices, rewritten)
             if primitive.get("mode") == FAN:
                 around = np.arange(accessors[position]["count"]) if indices is None else _numbers(document, binary, indices).ravel()
                 fan = np.stack([np.full(len(around) - 2, around[0]), around[1:-1], around[2:]], axis=1).astype("<u4")
@@ -167,7 +167,7 @@ def _tidied(document: dict[str, Any]) -> bool:
     return posed
 
 
-def _plain(document: dict[str, Any], binary: bytearray, number: int, rewritten: dict[int, int]) -> int:
+def _dense_accessor(document: dict[str, Any], binary: bytearray, number: int, rewritten: dict[int, int]) -> int:
     """An accessor of the same numbers, neither normalised nor sparse."""
     accessor = document["accessors"][number]
     if "sparse" not in accessor and not accessor.get("normalized"):

@@ -16,7 +16,7 @@ from mechstyle.geometry.proximity import TriangleTree
 from mechstyle.records.mesh import FLOOR_TOLERANCE, Floats, SurfaceMesh, TetMesh, frozen_array
 
 LEAST_QUALITY = 0.08  # mean ratio below which a tetrahedron is backed off ...
-LEAST_SHARE = 0.5  # ... or below this share of its own quality at rest, if that is less
+LEAST_SHARE = 0.5  # ... or below this share of its own undeformed quality, if that is less
 FACTOR = 0.75  # of the displacement that is left at the vertices of such a tetrahedron, per round
 WIDEN_EVERY = 8  # rounds after which the back-off takes in one more ring of tetrahedra, so that it always ends
 
@@ -25,7 +25,7 @@ WIDEN_EVERY = 8  # rounds after which the back-off takes in one more ring of tet
 class Morphed:
     """Tetrahedra that follow a displacement of the surface."""
 
-    tets: TetMesh  # the moved tetrahedra, same numbering as at rest
+    tets: TetMesh  # the moved tetrahedra, same numbering as the undeformed ones
     # what they follow [mm], shape [vertex_count], float32: the request, less what would have spoilt a tetrahedron. Asked for again, it
     # gives the same tetrahedra. Never more than the request: where they cannot come back as far as that from what they were made for,
     # they stand in for it, and `deviation` says how far off they are
@@ -45,12 +45,12 @@ class Morph:
     nodes on the floor and hundredths above it, which lands on few of them. Inner nodes follow harmonically: the Laplace equation on the
     tetrahedra as they were made, linear elements, factored once.
 
-    Tetrahedra of the surface at rest cannot carry a relief: on flat faces they are larger than it. Made for half of a relief they keep its
+    Tetrahedra of the undeformed surface carry no relief: on flat faces they are larger than it. Made for half of a relief they keep its
     triangles, and neither the way back to none nor the way on to all of it is long enough to turn many of them inside out, unless it is as
     deep as its triangles are wide: then a tetrahedron with all corners on the surface would vanish on the way back, and is backed off.
 
     Args:
-        surface: The surface at rest, n vertices.
+        surface: The undeformed surface, n vertices.
         tets: Tetrahedra of it displaced by `at`.
         at: The displacement they were made for [mm], shape [n]; None for none.
         device: Warp device of the searches.

@@ -25,7 +25,7 @@ class Piece(NamedTuple):
         """Positions that its faces use, shape [k, 3]."""
         return self.vertices[self.faces].reshape(-1, 3)
 
-    def of(self, faces: NDArray[np.int64], name: str = "") -> Piece:
+    def submesh(self, faces: NDArray[np.int64], name: str = "") -> Piece:
         """Some of its faces, and the vertices that they use."""
         used, index = np.unique(faces, return_inverse=True)
         return Piece(name or self.name, self.vertices[used], index.reshape(-1, 3))
@@ -39,7 +39,7 @@ class Thing(NamedTuple):
     cuts: tuple[Piece, ...] = ()  # closed shapes whose inside is taken away from it
 
 
-class Aside(NamedTuple):
+class Unprinted(NamedTuple):
     """A piece of a file that is not printed."""
 
     role: str  # what it is instead, in words
@@ -60,7 +60,7 @@ class Held(NamedTuple):
 
     things: tuple[Thing, ...]  # what is printed
     unit: str  # the unit of its coordinates
-    asides: tuple[Aside, ...] = ()  # what is not printed
+    unprinted: tuple[Unprinted, ...] = ()  # what is not printed
     notes: tuple[str, ...] = ()  # what else is to be known of it, one sentence each
 
 

@@ -47,17 +47,17 @@ class TriangleTree:
         centred = np.asarray(positions, dtype=np.float64) - self._centre
         return wp.array(centred.astype(np.float32), dtype=wp.vec3, device=self.device)
 
-    def nearest(self, queries: ArrayLike) -> Nearest:
-        """The nearest surface point to each query [mm], shape [n, 3]."""
+    def nearest(self, queries: ArrayLike, reach: float = 1e6) -> Nearest:
+        """The nearest surface point to each query [mm], shape [n, 3]; face −1, infinitely far, where there is none within reach [mm]."""
         positions = np.asarray(queries, dtype=np.float64).reshape(-1, 3)
         count = len(positions)
         face: Any = wp.empty(count, dtype=wp.int32, device=self.device)
         uv: Any = wp.zeros(count, dtype=wp.vec2, device=self.device)
-        wp.launch(nearest_points, dim=count, inputs=[self.id, self.points(positions), 1e6, face, uv], device=self.device)
+        wp.launch(nearest_points, dim=count, inputs=[self.id, self.points(positions), reach, face, uv], device=self.device)
         faces = face.numpy()
         weights = _weights(uv.numpy().astype(np.float64))
         points = np.einsum("ij,ijk->ik", weights, self.vertices[self.faces[faces]])
-        return Nearest(faces, weights, points, np.linalg.norm(points - positions, axis=1))
+        return Nearest(faces, weights, points, np.where(faces < 0, np.inf, np.linalg.norm(points - positions, axis=1)))
 
     def interpolation(self, queries: ArrayLike) -> sp.csr_array:
         """Sparse matrix from values at the vertices to values at the nearest surface points, shape [n, vertex_count].

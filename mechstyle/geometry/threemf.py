@@ -72,7 +72,7 @@ def threemf_bytes(
         filament_type: What the filaments are, as Bambu Studio and OrcaSlicer call it.
     """
     check_slicer(slicer)
-    called = _plain(name)
+    called = _attribute(name)
     shown = paint
     if shown is None and mesh.colours is not None:
         shown = painted(mesh, clustered(mesh.colours, MOST), line=0.0)
@@ -90,21 +90,21 @@ def bodies_bytes(
 ) -> bytes:
     """A 3MF package of one part made of bodies, each of one filament, which slicers read without painting; else as `threemf_bytes`."""
     check_slicer(slicer)
-    called = _plain(name)
+    called = _attribute(name)
     if _strict(slicer):  # PrusaSlicer takes components apart, and knows bodies as stretches of one object's triangles
         whole = together(bodies, palette)
         thing = _object(1, called, whole.mesh, _coloured(whole.filament[whole.mesh.faces]), bodies[0].filament)
         volumes, first = "", 0
         for body in bodies:
             last = first + len(body.mesh.faces) - 1
-            kept = (("name", _plain(body.name)), ("extruder", body.filament + 1))
+            kept = (("name", _attribute(body.name)), ("extruder", body.filament + 1))
             facts = "".join(f'<metadata type="volume" key="{key}" value="{value}"/>' for key, value in kept)
             volumes += f'<volume firstid="{first}" lastid="{last}">{facts}</volume>'
             first = last + 1
         config = f'<?xml version="1.0" encoding="UTF-8"?>\n<config><object id="1" instances_count="1">{volumes}</object></config>'
         return _package(_model(called, palette, thing, 1, painting=False), {"Slic3r_PE_model.config": config})
     last, no_words = len(bodies) + 1, [[""] * len(body.mesh.faces) for body in bodies]
-    things = [_object(k, _plain(body.name), body.mesh, no_words[k - 1], body.filament) for k, body in enumerate(bodies, 1)]
+    things = [_object(k, _attribute(body.name), body.mesh, no_words[k - 1], body.filament) for k, body in enumerate(bodies, 1)]
     parts = "".join(f'<component objectid="{number}"/>' for number in range(1, last))
     things.append(f'<object id="{last}" type="model" name="{called}"><components>{parts}</components></object>')
     settings = _bambu_settings(called, palette, filament_type, last, bodies)
@@ -124,7 +124,7 @@ def _strict(slicer: str) -> bool:
     return slicer in ("standard", "prusa")
 
 
-def _plain(name: str) -> str:
+def _attribute(name: str) -> str:
     """A name that can stand in an attribute."""
     return escape("".join(sign for sign in name if sign.isprintable()) or "part", {'"': "&quot;"})
 
@@ -171,14 +171,14 @@ def _coloured(corners: Indices, key: str = "") -> list[str]:
     kinds, which = distinct(corners)
     table = [f' pid="{_GROUP}" p1="{p}" p2="{q}" p3="{r}"' for p, q, r in kinds]
     if key:
-        table = [f'{colour} {key}="{word}"' for colour, word in zip(table, words(kinds), strict=True)]
+        table = [f'{colour} {key}="{word}"' for colour, word in zip(table, paint_codes(kinds), strict=True)]
     return [table[kind] for kind in which.tolist()]
 
 
 def _bambu_settings(name: str, palette: Palette, filament_type: str, whole: int, bodies: Sequence[Body]) -> dict[str, str]:
     """Settings of OrcaSlicer, of which Bambu Studio reads the objects' only: filaments and, of several bodies, which has which."""
     parts = "".join(
-        f'<part id="{number}" subtype="normal_part"><metadata key="name" value="{_plain(body.name)}"/>'
+        f'<part id="{number}" subtype="normal_part"><metadata key="name" value="{_attribute(body.name)}"/>'
         f'<metadata key="extruder" value="{body.filament + 1}"/></part>'
         for number, body in enumerate(bodies, 1)
     )
@@ -195,13 +195,13 @@ _LONG = 3
 """States from here on take a second number."""
 
 
-def words(filament: Indices) -> list[str]:
+def paint_codes(filament: Indices) -> list[str]:
     """The word of each triangle by the filament of each corner, from 0, shape [face_count, 3], cut where these do not agree.
 
     One corner of another colour is cut off at the middles of its sides; where all three differ each gets its own, the middle the first one.
     """
     kinds, which = distinct(filament)
-    table = [_word(*(int(corner) + 1 for corner in kind)) for kind in kinds]
+    table = [_paint_code(*(int(corner) + 1 for corner in kind)) for kind in kinds]
     return [table[kind] for kind in which.tolist()]
 
 
@@ -214,7 +214,7 @@ def distinct(filament: Indices) -> tuple[Indices, Indices]:
     return kinds.astype(np.int32), (np.cumsum(occurs) - 1)[name].astype(np.int32)
 
 
-def _word(a: int, b: int, c: int) -> str:
+def _paint_code(a: int, b: int, c: int) -> str:
     """The word of a triangle with these states at its corners."""
     if a == b == c:
         stream = _whole(a)

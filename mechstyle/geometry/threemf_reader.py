@@ -20,7 +20,7 @@ import numpy as np
 
 from mechstyle.geometry import claims
 from mechstyle.geometry.claims import Beyond, too_many
-from mechstyle.geometry.pieces import COLOURS_LEFT, Aside, Held, Piece, Thing, quoted_name
+from mechstyle.geometry.pieces import COLOURS_LEFT, Held, Piece, Thing, Unprinted, quoted_name
 from mechstyle.records.mesh import Floats
 
 MOST_MARKS = 16_000_000
@@ -276,23 +276,23 @@ def _built(package: _Package) -> Held:
     start = _start(package)
     if not start:
         raise Beyond("holds no model: it is no 3MF, or is damaged; export it again")
-    things, asides, count = list[Thing](), list[Aside](), _Count()
+    things, unprinted, count = list[Thing](), list[Unprinted](), _Count()
     for item in package.items.get(start, ()):
         leaves = list(_leaves(package, item.key, item.place, count))
         body = package.objects[item.key]
         whole = ROLES.get(body.kind, f"object of the type {quoted_name(body.kind)}") if item.printed else "object that is not to be printed"
         if whole:
-            asides += [Aside(whole, leaf.piece) for leaf in leaves]
+            unprinted += [Unprinted(whole, leaf.piece) for leaf in leaves]
             continue
-        asides += [Aside(leaf.role, leaf.piece) for leaf in leaves if leaf.role not in (MATERIAL, NEGATIVE)]
-        _sort_in(leaves, package.said.names.get(item.key.number, "") or body.name, things, asides)
+        unprinted += [Unprinted(leaf.role, leaf.piece) for leaf in leaves if leaf.role not in (MATERIAL, NEGATIVE)]
+        _sort_in(leaves, package.said.names.get(item.key.number, "") or body.name, things, unprinted)
     if not things:
-        raise Beyond(_why_empty(package, start, asides))
+        raise Beyond(_why_empty(package, start, unprinted))
     coloured = package.said.coloured or any(one.coloured for one in package.objects.values())
     notes: tuple[str, ...] = (COLOURS_LEFT,) if coloured else ()
     lattices = sorted({shape for one in package.objects.values() if one.indices for shape in one.shapes})
     notes += tuple(f"its triangles are read, and {shape} that it holds besides is left out" for shape in lattices)
-    return Held(tuple(things), package.units[start], tuple(asides), notes)
+    return Held(tuple(things), package.units[start], tuple(unprinted), notes)
 
 
 def _start(package: _Package) -> str:
@@ -300,7 +300,7 @@ def _start(package: _Package) -> str:
     return package.start if package.start in package.units else next(iter(package.items or package.units), "")
 
 
-def _sort_in(leaves: list[_Leaf], name: str, things: list[Thing], asides: list[Aside]) -> None:
+def _sort_in(leaves: list[_Leaf], name: str, things: list[Thing], unprinted: list[Unprinted]) -> None:
     """Add an item to what is printed: a negative volume takes from the object that its settings are of, and from no other."""
     cutting = {leaf.owner for leaf in leaves if leaf.role == NEGATIVE}
     groups: dict[int, list[_Leaf]] = {}
@@ -314,14 +314,14 @@ def _sort_in(leaves: list[_Leaf], name: str, things: list[Thing], asides: list[A
         if pieces:
             things.append(Thing(name or pieces[0].name, tuple(pieces), tuple(cuts)))
         else:
-            asides += [Aside(NEGATIVE, piece) for piece in cuts]
+            unprinted += [Unprinted(NEGATIVE, piece) for piece in cuts]
 
 
-def _why_empty(package: _Package, start: str, asides: list[Aside]) -> str:
+def _why_empty(package: _Package, start: str, unprinted: list[Unprinted]) -> str:
     """Why nothing of a package is printed."""
-    if asides:
-        named = "; ".join(f"{quoted_name(aside.piece.name) if aside.piece.name else 'it'} is {aside.kind}" for aside in asides[:3])
-        named += "; …" if len(asides) > 3 else ""
+    if unprinted:
+        named = "; ".join(f"{quoted_name(one.piece.name) if one.piece.name else 'it'} is {one.kind}" for one in unprinted[:3])
+        named += "; …" if len(unprinted) > 3 else ""
         return f"holds nothing that is printed ({named}): make a part of it in the slicer, and save it again"
     if not package.items.get(start):
         return "has nothing on its plate: put the part on it in the program it was made with, and save it again"
@@ -393,10 +393,10 @@ def _stretches(body: _Object, place: Floats, ranges: list[_Volume], count: _Coun
         free[stretch] = False
         if len(faces := whole.faces[stretch]):
             count.add(len(faces))
-            yield _Leaf(volume.role, whole.of(faces, volume.facts.get("name", "")))
+            yield _Leaf(volume.role, whole.submesh(faces, volume.facts.get("name", "")))
     if free.any():
         count.add(int(free.sum()))
-        yield _Leaf(MATERIAL, whole.of(whole.faces[free]))
+        yield _Leaf(MATERIAL, whole.submesh(whole.faces[free]))
 
 
 def _of(package: _Package, key: _Key) -> _Object:

@@ -279,7 +279,7 @@ class Engine:
         masked = self.recipe.restraint.control != "none" and self.recipe.schedule.when != "never"
         unheld = not masked and np.all(state.share == 1.0)
         wanted = finished if unheld else target  # what nothing held back is all that can be given back
-        search = correction.Correction(self.surface, wanted, lambda relief: self._kept(relief, target), self.bounds.standing)
+        search = correction.Correction(self.surface, wanted, lambda relief: self._retained(relief, target), self.bounds.standing)
         tries = search.tries(finished, self._finding(state))
         tried = next(tries, None) if self.recipe.restraint.guarantee and not self.simulator.baseline.failure else None
         while tried is not None:
@@ -322,18 +322,18 @@ class Engine:
         if not state.passes:
             return False, 0.0, False
         assert state.verdict is not None, "what passes was simulated"
-        return True, round(self._kept(state.displacement, target), 2), state.verdict.sure
+        return True, round(self._retained(state.displacement, target), 2), state.verdict.sure
 
     def kept(self, state: Checkpoint) -> float:
         """Share of the finished style's target that a state keeps, by what can be seen of it; of every run, Freestyle as well."""
-        return self._kept(state.displacement, self._target())
+        return self._retained(state.displacement, self._target())
 
     def cuts(self) -> float:
         """Share of the surface that can be seen on which the finished style's target goes inwards."""
         areas = self.bounds.seen_areas(self.surface)
         return float(areas[self._target() < 0.0].sum() / max(areas.sum(), 1e-9))
 
-    def _kept(self, displacement: Field, reference: Field) -> float:
+    def _retained(self, displacement: Field, reference: Field) -> float:
         return retained_share(displacement, reference, self.bounds.seen_areas(self.surface))
 
     def _save(self, state: Checkpoint) -> tuple[str, Checkpointed]:

@@ -79,6 +79,9 @@ class Store:
                 raise DamagedStore(f"{self.root / folder} is a link, and a run is kept in one folder: put what it leads to in its place")
         self.objects = Objects(self._folder / "objects")  # whoever holds on to them goes on wherever the process goes
         self.memo = Memo(self._folder / "memo", self.objects)
+        # by their content: whatever is written meanwhile, they stay what they are
+        self._entries: dict[str, Entry] = {}
+        self._recipes: dict[str, Recipe] = {}
 
     @property
     def root(self) -> Path:
@@ -155,7 +158,12 @@ class Store:
         return self.objects.put(msgspec.json.encode(recipe, order="deterministic"))
 
     def recipe(self, digest: str) -> Recipe:
-        """A stored recipe, without the settings that are gone: where it had some, its own digest is another one."""
+        """A stored recipe, without the settings that are gone: where it had some, its own digest is another one; it is read once."""
+        if digest not in self._recipes:
+            self._recipes[digest] = self._read_recipe(digest)
+        return self._recipes[digest]
+
+    def _read_recipe(self, digest: str) -> Recipe:
         table = self.record(digest, dict[str, dict[str, Any]])
         for chapter, name in GONE:
             table.get(chapter, {}).pop(name, None)
@@ -181,8 +189,10 @@ class Store:
         return self.record(digest, Checkpoint)
 
     def entry(self, digest: str) -> Entry:
-        """A stored checkpoint without its arrays."""
-        return msgspec.structs.replace(self.record(digest, Entry), digest=digest)
+        """A stored checkpoint without its arrays; it is read once, as who looks at one looks back at all before it."""
+        if digest not in self._entries:
+            self._entries[digest] = msgspec.structs.replace(self.record(digest, Entry), digest=digest)
+        return self._entries[digest]
 
     def is_finished(self, name: str = "main") -> bool:
         """Whether a lane's newest checkpoint is the end of the recipe in force."""

@@ -63,7 +63,7 @@ class Quantity:
         """Its values from that array, same shape."""
         return array if self.formed is None else self.formed(array)
 
-    def of(self, state: object) -> NDArray[Any]:
+    def values_in(self, state: object) -> NDArray[Any]:
         """Its values in a checkpoint or a simulation, shape [vertex_count]."""
         if self.tested is not None and isinstance(state, Simulation):
             return self.tested(state)
@@ -85,7 +85,10 @@ class Quantity:
 def stress(strength: float, row: Row | None = None) -> Quantity:
     """Stress against the yield strength [MPa]: of a simulation in the test of a row, as placed and under loads without one."""
     quantity = replace(_against(strength, "stress", "von Mises stress at the surface", "MPa"), edge="yields at")
-    return quantity if row is None or row.test == "published rule" else replace(quantity, note=sentences.label(row), tested=_stress_in(row))
+    if row is None or row.test == "published rule":
+        return quantity
+    landing, load = row.landing, row.load
+    return replace(quantity, note=sentences.label(row), tested=lambda simulation: simulation.stress_of(landing=landing, load=load))
 
 
 def stress_in(row: Row, strength: float) -> Quantity:
@@ -101,15 +104,39 @@ def moment(strength: float) -> Quantity:
 
 
 def stays_bent(row: Row) -> Quantity:
-    """What stays bent of the surface in the test of a row against what is allowed there [mm]."""
+    """What stays bent of the surface in the test of a row against what is allowed there [mm]; it ends at the figure that was judged."""
 
     def length(simulation: Simulation) -> NDArray[np.float32]:
-        return np.asarray(np.linalg.norm(simulation.set_of(landing=row.landing, load=row.load), axis=1), np.float32)
+        return judged(np.linalg.norm(simulation.set_of(landing=row.landing, load=row.load), axis=1), row)
 
     return Quantity(
         STAYS_BENT, "what stays bent", "mm", (0.0, BENT_ABOVE * row.allowed), row.allowed, sentences.label(row), bounded=True,
-        tested=length, edge="allowed",
+        tested=length, edge="allowed", said=lambda length: sentences.bend_in(row, length),
     )  # fmt: skip
+
+
+def judged(lengths: ArrayLike, row: Row) -> NDArray[np.float32]:
+    """What stays bent at the vertices as the verdict has it [mm], shape [vertex_count].
+
+    A verdict takes what more than a small volume exceeds, of the tetrahedra. So the field ends there, and where the vertices miss it the
+    one that is off most stands for it. Of a part that gives way there is no such figure: its last shape is shown as it was.
+    """
+    given = np.array(lengths, np.float32)
+    if row.collapses or not given.any():
+        return given
+    clipped = np.minimum(given, np.float32(row.permanent_set))
+    clipped[given.argmax()] = np.float32(row.permanent_set)
+    return clipped
+
+
+def most_bent(vertices: ArrayLike, row: Row, simulation: Simulation) -> int:
+    """The vertex at which the part counts as most bent in the test of a row: of those that are, the nearest to the place judged.
+
+    `vertices` are those of the displaced part [mm], shape [vertex_count, 3].
+    """
+    field = stays_bent(row).values_in(simulation)
+    most = np.flatnonzero(field >= field.max())
+    return int(most[np.linalg.norm(np.asarray(vertices)[most] - np.asarray(row.where), axis=1).argmin()])
 
 
 def demand(recipe: Recipe) -> Quantity:
@@ -119,10 +146,6 @@ def demand(recipe: Recipe) -> Quantity:
 
 def _against(threshold: float, name: str, label: str, unit: str = "") -> Quantity:
     return Quantity(name, label, unit, (0.0, ROOM_ABOVE * threshold), threshold)
-
-
-def _stress_in(row: Row) -> Callable[[Simulation], NDArray[np.float32]]:
-    return lambda simulation: simulation.stress_of(landing=row.landing, load=row.load)
 
 
 RESTRAINT = Quantity(
@@ -159,11 +182,13 @@ class Known:
     values: NDArray[Any]  # the field [unit], shape [vertex_count]
     seen: NDArray[Any]  # what the colours have to show, of any shape
     note: str  # what a reader should know of these values, "" for nothing
+    aged: bool = False  # whether they were found on the surface of an earlier iteration, so that they are no answer on this one
 
     @classmethod
-    def of(cls, quantity: Quantity, values: NDArray[Any], *more: NDArray[Any], note: str = "") -> Known:
-        """Values, which the colours have to show together with `more`, and a note, the quantity's own by default."""
-        return cls(quantity, values, np.stack([values, *more]) if more else values, note or quantity.note)
+    def of(cls, quantity: Quantity, values: NDArray[Any], *more: NDArray[Any], when: str = "") -> Known:
+        """Values, which the colours have to show together with `more`, and since when they are known, "" for now."""
+        note = ", ".join(filter(None, (quantity.note, when)))
+        return cls(quantity, values, np.stack([values, *more]) if more else values, note, bool(when))
 
 
 def known(
@@ -182,17 +207,16 @@ def known(
     when = "" if state.simulated_at == state.iteration else f"simulated at iteration {state.simulated_at}"
     found = list[Known]()
     for quantity in quantities(recipe, verdict):
-        aged = quantity.name not in (DISPLACEMENT.name, RESTRAINT.name)
-        note = ", ".join(filter(None, (quantity.note, when if aged else "")))
+        since = "" if quantity.name in (DISPLACEMENT.name, RESTRAINT.name) else when
         more = [newest.displacement] if quantity.name == DISPLACEMENT.name else []
         if quantity.name != STAYS_BENT:
-            found.append(Known.of(quantity, quantity.of(state), *more, note=note))
+            found.append(Known.of(quantity, quantity.values_in(state), *more, when=since))
         elif simulation is not None:
-            found.append(Known.of(quantity, quantity.of(simulation), note=note))
+            found.append(Known.of(quantity, quantity.values_in(simulation), when=since))
     found.append(Known.of(THICKNESS, thickness))
     if simulation is not None:  # which alone knows contact, and the stress of each test that has a row
         rows = () if verdict is None or simulation.failure else verdict.rows
         strength = recipe.test.material.yield_strength
         of_tests = [CONTACT, *(stress_in(row, strength) for row in rows if row.test != "published rule")]
-        found += [Known.of(one, one.of(simulation), note=", ".join(filter(None, (one.note, when)))) for one in of_tests]
+        found += [Known.of(one, one.values_in(simulation), when=when) for one in of_tests]
     return tuple(found)

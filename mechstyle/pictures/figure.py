@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -50,6 +50,8 @@ class Panel:
     note: str = ""  # a line under the picture
     edge: str = "limit"  # what the threshold is
     marked: bool = True  # whether the extremes of a field that has a unit are marked
+    said: Callable[[float], str] | None = None  # how a value at one place is written; as a figure with its unit if None
+    peak: int | None = None  # vertex at which the greatest value is marked, None for the first that has it
 
     @property
     def field(self) -> FieldKey | None:
@@ -200,7 +202,8 @@ def _mark_extremes(axes: Axes, panel: Panel, camera: Camera) -> None:
     points = camera.project(panel.mesh.vertices)
     depth = visible(points, panel.mesh.faces, width, height).depth
     taken: list[Bbox] = []
-    for kind, marker, vertex in (("max", "o", int(np.nanargmax(values))), ("min", "v", int(np.nanargmin(values)))):
+    greatest = int(np.nanargmax(values)) if panel.peak is None else panel.peak
+    for kind, marker, vertex in (("max", "o", greatest), ("min", "v", int(np.nanargmin(values)))):
         x, y = (points[vertex, 0] + 1) * width / 2, (1 - points[vertex, 1]) * height / 2
         around = depth[max(int(y) - 2, 0) : int(y) + 3, max(int(x) - 2, 0) : int(x) + 3]
         hidden = not (points[vertex, 2] <= around + 0.004 * panel.mesh.size).any()
@@ -208,7 +211,8 @@ def _mark_extremes(axes: Axes, panel: Panel, camera: Camera) -> None:
         faint = 0.5 if hidden else 1.0
         for edge, wide in (("white", 3.2), (INK, 1.4)):
             axes.plot(x, y, marker, ms=size + 2, mfc="none", mec=edge, mew=wide, alpha=faint)
-        words = f"{kind} {values[vertex]:.3g}{' ' + panel.unit if panel.unit else ''}"
+        value = float(values[vertex])
+        words = f"{kind} {f'{value:.3g} {panel.unit}'.rstrip() if panel.said is None else panel.said(value)}"
         words += " (far side)" if hidden else ""
         # Next to the mark, towards the middle of the panel and clear of other words if they can be.
         right, inwards = x < width / 2, -1 if y < height / 2 else 1

@@ -59,7 +59,7 @@ def field_panel(
 
     return Panel(
         mesh, title or quantity.name, values, quantity.unit, quantity.label, quantity.limits(values), quantity.threshold, view, note,
-        quantity.edge,
+        quantity.edge, said=quantity.said,
     )  # fmt: skip
 
 
@@ -78,7 +78,8 @@ def exaggeration(bend: float, size: float) -> int:
 
 def exaggerated(surface: SurfaceMesh, simulation: Simulation, row: Row) -> int:
     """Factor by which what stays bent of a part after the test of a row is drawn."""
-    return exaggeration(max(row.permanent_set, EDGE * float(fields.stays_bent(row).of(simulation).max())), surface.size)
+    most = np.linalg.norm(simulation.set_of(landing=row.landing, load=row.load), axis=1).max()
+    return exaggeration(max(row.permanent_set, EDGE * float(most)), surface.size)
 
 
 def bent_panel(
@@ -86,12 +87,12 @@ def bent_panel(
 ) -> Panel:
     """A part in the shape that it keeps after the test of a row, exaggerated, coloured by how far it is off [mm]."""
     bend, quantity = simulation.set_of(landing=row.landing, load=row.load), fields.stays_bent(row)
-    values, factor = quantity.of(simulation), factor or exaggerated(surface, simulation, row)
+    values, factor = quantity.values_in(simulation), factor or exaggerated(surface, simulation, row)
     shape = surface.moved(surface.vertices + np.float32(factor) * bend)
     drawn = f", drawn × {factor}" if factor > 1 else ""
     note = f"{sentences.figures(row)}; shown is the last shape that bore the load" if row.collapses else sentences.figures(row)
     panel = field_panel(shape, quantity, values, title=title + drawn, note=note)
-    return replace(panel, marked=False)  # a vertex is off by more than the volume that is judged
+    return replace(panel, peak=fields.most_bent(surface.vertices, row, simulation))
 
 
 def stress_note(surface: SurfaceMesh, stress: NDArray[Any], strength: float, row: Row | None) -> str:
@@ -121,7 +122,7 @@ def checkpoint_panels(
     when = "" if measured_at in (None, state.iteration) else f" (iteration {measured_at})"
     row, note = None if measured is None else measured.deciding, ""
     if state.verdict is not None:
-        note = sentences.note(state.verdict)
+        note = sentences.note(state.verdict) if state.verdict.deciding is None else sentences.title(state.verdict)
     elif measured_at != state.simulated_at:
         note = f"UNKNOWN: the later test at iteration {state.simulated_at} gave no answer"
     stress = fields.quantities(recipe, measured)[0]
@@ -131,7 +132,7 @@ def checkpoint_panels(
     if row is not None and row.test != "published rule" and simulation is not None:
         panels.append(bent_panel(styled, simulation, row, title=f"what stays bent{when}"))
     held = f"{state.restrained.mean():.0%} restrained"
-    return [*panels, field_panel(styled, fields.RESTRAINT, fields.RESTRAINT.of(state), note=held)]
+    return [*panels, field_panel(styled, fields.RESTRAINT, fields.RESTRAINT.values_in(state), note=held)]
 
 
 def chosen_panels(styled: SurfaceMesh, found: Sequence[Known], wanted: Sequence[str]) -> list[Panel]:

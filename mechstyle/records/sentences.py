@@ -49,6 +49,11 @@ def _digits(row: Row) -> int:
     return next((n for n in range(6) if found <= allowed or bend(found, n) != bend(allowed, n)), 6)
 
 
+def bend_in(row: Row, permanent_set: float) -> str:
+    """The same at one place in the test of a row, with as many digits as the row's own figure has."""
+    return bend(permanent_set, _digits(row))
+
+
 def floor(contact_stiffness: float) -> str:
     """The floor of the published method: its stiffness at each node [N/mm], 0 for a rigid one."""
     return f"a penalty floor of {contact_stiffness:g} N/mm a node" if contact_stiffness else "a rigid floor"
@@ -65,6 +70,11 @@ def short(verdict: Verdict) -> str:
         return "NO WORSE than the plain part"
     failed = f"the load {decides.load!r}" if verdict.outcome == "FAILS" and decides.load else ""
     return f"{verdict.outcome} {failed or f'a fall of {written(verdict.fall)}'}"
+
+
+def title(verdict: Verdict) -> str:
+    """The outcome in a few words, and that it is not sure if it is not: what stands over a picture."""
+    return marked(short(verdict), sure=verdict.sure)
 
 
 def head(verdict: Verdict) -> str:
@@ -232,7 +242,7 @@ def least(verdict: Verdict) -> str:
 def note(verdict: Verdict) -> str:
     """The outcome in a few words, and the figures of the test that decides: a line under a picture of that test."""
     row = verdict.deciding
-    return "UNKNOWN: this test gave no answer" if row is None else f"{marked(short(verdict), sure=verdict.sure)}; {figures(row)}"
+    return "UNKNOWN: this test gave no answer" if row is None else f"{title(verdict)}; {figures(row)}"
 
 
 def figures(row: Row) -> str:

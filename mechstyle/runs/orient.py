@@ -27,7 +27,7 @@ COUNT = 6
 ALIKE = 0.1
 """Shares of what is allowed within a step of this count as alike …"""
 LITTLE = 0.5
-"""… and all below this: meshes of one part differ by as much."""
+"""… and all below the end of the step that begins here: meshes of one part differ by as much."""
 
 
 class WayUp(msgspec.Struct, frozen=True, kw_only=True):

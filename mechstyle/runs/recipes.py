@@ -51,11 +51,11 @@ PLAIN = {
 
 
 def plan(part: Workpiece, prompt: str = "", material: str | Material = "PLA", *, freestyle: bool = False, **settings: Any) -> Recipe:
-    """The recipe for a part: `draft` fitted to it."""
-    return fitted(draft(prompt, material, freestyle=freestyle, **settings), part)
+    """The recipe for a part: `recipe_for` fitted to it."""
+    return fitted(recipe_for(prompt, material, freestyle=freestyle, **settings), part)
 
 
-def draft(prompt: str = "", material: str | Material = "PLA", *, freestyle: bool = False, **settings: Any) -> Recipe:
+def recipe_for(prompt: str = "", material: str | Material = "PLA", *, freestyle: bool = False, **settings: Any) -> Recipe:
     """A recipe for any part, so that a bad request is refused before anything slow is done.
 
     Args:

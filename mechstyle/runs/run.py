@@ -31,13 +31,26 @@ from mechstyle.runs import images
 from mechstyle.runs.export import AS_USUAL, Exported, exported, known_fields
 from mechstyle.runs.folders import PartRecord, check_free, default_folder, folder_for
 from mechstyle.runs.printing import Printing
-from mechstyle.runs.recipes import changed, draft, expected, idle
+from mechstyle.runs.recipes import changed, expected, idle, recipe_for
 from mechstyle.runs.session import Session
-from mechstyle.runs.stylizers import finished_style, stylizer_for
+from mechstyle.runs.stylizers import FinishedStyle, finished_style, stylizer_for
 from mechstyle.runs.summary import Clock, Summary, summarise
-from mechstyle.simulation.part import Origin, Shape, Stage, Warn, Workpiece, bounds_for, cached_memo, fitted, logged, prepare
+from mechstyle.simulation.part import (
+    Origin,
+    Relief,
+    Shape,
+    Stage,
+    Warn,
+    Workpiece,
+    bounds_for,
+    cached_memo,
+    fitted,
+    logged,
+    prepare,
+    refilled,
+)
 from mechstyle.simulation.simulator import DropSimulator
-from mechstyle.simulation.strengthen import made_ready
+from mechstyle.simulation.strengthen import strengthened
 
 OnEvent = Callable[[Event], None]
 STYLED = "styled.png"
@@ -162,7 +175,7 @@ class Run:
         if fields:
             shown = chosen_panels(look.mesh, known_fields(self.store, self.lane, self.part, state), fields)
         entry = self.store.find(iteration, self.lane)
-        came = sentences.untested(entry.simulated_at) if entry.verdict is None else entry.verdict.short
+        came = sentences.untested(entry.simulated_at) if entry.verdict is None else sentences.title(entry.verdict)
         return picture([look, *shown], title=f"{self.record.name}, iteration {state.iteration}: {came}")
 
     def _repr_mimebundle_(self, **_: Any) -> dict[str, str]:
@@ -271,28 +284,137 @@ class Run:
         write_whole(self._summary_path, msgspec.json.format(to_json(summary), indent=2))
 
 
-def begin(
-    part: Workpiece, recipe: Recipe, out: str | Path, *,
-    name: str = "part", device: str = "auto", origin: Origin | None = None, beside: bool = True,
-) -> Run:  # fmt: skip
-    """A run directory for a part and a recipe: new, or an earlier one of the same recipe, which then goes on where it stopped.
+@dataclass(frozen=True, eq=False)
+class Draft:
+    """A run as it is asked for: `ready` prepares its part, `begin` makes its folder or finds it, and the run's `go` carries it on.
 
-    The earlier one keeps its tetrahedra: those of a part that was meshed anew are others, without anything else being other.
-    A run with other settings stays as it is: this one then goes into a folder beside it, `out-2`, which is logged.
+    Attributes:
+        recipe: What is asked for, for any part, as `Draft.of` makes it of settings, or for this very one, as `ms.lab.plan` does.
+        part: A closed surface [mm], z up, as it stands, or a part that is prepared.
+        vertices: Of the standardised surface, where the part is to be prepared.
+        name: What the part is called in pictures and files.
+        folder: Run directory; None for one named by prompt and recipe under `mechstyle-runs`.
+        device: `auto`, `cpu` or `cuda`.
+        origin: Where a prepared part came from; a surface knows it itself.
+        beside: Whether a folder that holds another run is left to that one for a folder beside it, `folder-2`, which is logged.
+        clock: Seconds spent on it in this process.
 
-    Raises:
-        BadInput: If `out` holds something else than a run; if it holds another run and `beside` is False.
+    Example:
+        >>> knob = ms.load("gallery:drawer_knob")
+        >>> run = ms.lab.Draft.of(knob, "brick", vertices=500, iterations=4, folder="runs/knob", device="cpu").begin().go()
+        >>> ms.lab.Draft(run.recipe, run.part, folder="runs/knob", device="cpu").begin().finished
+        True
     """
-    store = Store(folder_for(Path(out), recipe, beside=beside))
-    run = Run(store, "main", resolve_device(device))
-    if "main" in store.lanes():
+
+    recipe: Recipe
+    part: SurfaceMesh | Workpiece
+    vertices: int = STANDARD_VERTICES
+    name: str = "part"
+    folder: str | Path | None = None
+    device: str = "auto"
+    origin: Origin = field(default_factory=Origin)
+    beside: bool = True
+    clock: Clock = field(default_factory=Clock, repr=False)
+
+    @classmethod
+    def of(
+        cls, part: SurfaceMesh | Workpiece, prompt: str = "", material: str | Material = "PLA", *,
+        freestyle: bool = False, vertices: int = STANDARD_VERTICES, name: str = "part", folder: str | Path | None = None,
+        device: str = "auto", **settings: Any,
+    ) -> Draft:  # fmt: skip
+        """A draft of settings, as `ms.stylize` takes them; BadInput if they cannot be used, before anything slow is done."""
+        recipe = recipe_for(prompt, material, freestyle=freestyle, **settings)
+        return cls(recipe, part, check_vertices(vertices), name, folder, device)
+
+    def place(self, recipe: Recipe) -> Path:
+        """The folder of a run of this recipe; BadInput if it holds something else than a run, or another and `beside` is False."""
+        return folder_for(default_folder(recipe) if self.folder is None else Path(self.folder), recipe, beside=self.beside)
+
+    def ready(
+        self, *, stage: Stage = no_progress, prepare: Callable[..., Workpiece] = prepare, warn: Warn | None = None,
+        go_on: CancelCheck = never_cancel, shown: Callable[[Path], None] | None = None,
+    ) -> Draft:  # fmt: skip
+        """This draft with its part prepared: thickened first, if the recipe asks for it, with tetrahedra that carry the style's relief.
+
+        Args:
+            stage: Called with what is being done, in words.
+            prepare: What prepares a surface, `simulation.part.prepare` or one like it.
+            warn: What takes sentences on thin walls; None for none.
+            go_on: Asked in between whether to; what it raises ends the work.
+            shown: Called with the path of a picture of the finished style, written before the minutes that tetrahedra may take.
+
+        Raises:
+            BadInput: If the part, a region or a load cannot be used, or the folder is another run's.
+        """
+        if self.folder is not None:
+            check_free(Path(self.folder), self.recipe, beside=self.beside)
+        device = resolve_device(self.device)
+        origin = Origin.of(self.part, self.vertices) if isinstance(self.part, SurfaceMesh) else self.origin
+        if warn is not None:
+            prepare = partial(prepare, measured=partial(self._measured, warn))
+        with self.clock.stages(stage) as begun:
+            relief = partial(_relief, self.recipe, None if shown is None else partial(self._pictured, shown))
+            part = self._prepared(device, relief, begun, prepare, go_on)
+        return replace(self, recipe=fitted(self.recipe, part), part=part, device=device, origin=origin)
+
+    def begin(self) -> Run:
+        """A run directory for it: new, or an earlier one of the same recipe, which then goes on where it stopped.
+
+        A part that is a surface is made ready first, one that is prepared is taken as it is. The earlier run keeps its tetrahedra:
+        those of a part that was meshed anew are others, without anything else being other.
+
+        Raises:
+            BadInput: If the folder holds something else than a run; if it holds another run and `beside` is False.
+        """
+        if not isinstance(self.part, Workpiece):
+            return self.ready().begin()
+        recipe = fitted(self.recipe, self.part)
+        store = Store(self.place(recipe))
+        run = Run(store, "main", resolve_device(self.device), self.clock)
+        if "main" in store.lanes():
+            return run
+        images.keep(recipe, store)
+        record = PartRecord.kept(self.part, self.name, self.origin, store.objects)
+        write_whole(store.root / "part.json", msgspec.json.encode(record))
+        store.move("main", Lane(recipe=store.put_recipe(recipe)))
+        vars(run)["part"] = self.part  # as stored, and what was worked out of it need not be again
         return run
-    images.keep(recipe, store)
-    record = PartRecord.kept(part, name, origin or Origin(), store.objects)
-    write_whole(store.root / "part.json", msgspec.json.encode(record))
-    store.move("main", Lane(recipe=store.put_recipe(recipe)))
-    vars(run)["part"] = part  # as stored, and what was worked out of it need not be again
-    return run
+
+    def _prepared(
+        self, device: str, relief: Relief, stage: Stage, prepare: Callable[..., Workpiece], go_on: CancelCheck
+    ) -> Workpiece:  # fmt: skip
+        """The part made ready; one that was thickened before is not thickened again."""
+        thicker, rough, before = None, self.part, isinstance(self.part, Workpiece) and self.part.mass_gained > 0.0
+        if self.recipe.delivery.strengthen and not before:
+            thicker = strengthened(self.part, self.recipe, vertices=self.vertices, device=device, stage=stage, prepare=prepare, go_on=go_on)
+            rough = thicker.result
+        if isinstance(rough, Workpiece):
+            part = refilled(rough, relief, stage, go_on)
+        else:
+            part = prepare(rough, vertices=self.vertices, stage=stage, relief=relief, go_on=go_on)
+        return part if thicker is None else thicker.noted(part)
+
+    def _pictured(self, shown: Callable[[Path], None], surface: SurfaceMesh, style: FinishedStyle) -> None:
+        """Write a picture of the finished style into the folder that the run will have."""
+        folder = self.place(self.recipe.on(surface=surface.digest, tetrahedra=""))
+        look = styled_panel(surface.displaced(style.relief).coloured(style.colour), self.recipe)
+        shown(picture([look], title=self.name).save(folder / STYLED))
+
+    def _measured(self, warn: Warn, shape: Shape) -> None:
+        """Warn of a part's walls, and refuse the folder of another part's run, before the minutes that tetrahedra may take."""
+        warn(shape.too_thin(self.recipe.delivery.minimum_wall))
+        if self.folder is not None and not self.recipe.delivery.strengthen:  # which gives another surface
+            check_free(Path(self.folder), self.recipe.on(surface=shape.surface.digest), beside=self.beside)
+
+
+def _relief(
+    recipe: Recipe, pictured: Callable[[SurfaceMesh, FinishedStyle], None] | None, shape: Workpiece | Shape, *, go_on: CancelCheck
+) -> Field | None:
+    """The finished relief of a style [mm], shape [vertex_count]; a function of the module, which goes to a process that prepares a part."""
+    style = finished_style(shape, recipe, go_on)
+    if style is not None and pictured is not None:
+        pictured(shape.surface, style)
+    return None if style is None else style.relief
 
 
 def stylize(
@@ -332,62 +454,7 @@ def stylize(
         'HOLDS'
     """
     check_known(stylize, settings, SETTINGS)
-    wanted = draft(prompt, material, freestyle=freestyle, **settings)
-    for warning in idle(settings, wanted):
-        logger.warning("%s", warning)
-    vertices = (QUICK_VERTICES if quick else STANDARD_VERTICES) if vertices is None else check_vertices(vertices)
-    return started(wanted, mesh, vertices=vertices, out=out, name=name, device=device, stage=stage, warn=logged).go(on_event)
-
-
-def _relief(
-    wanted: Recipe, shown: Callable[[Path], None] | None, out: Path | None, shape: Workpiece | Shape, *,
-    name: str, beside: bool, go_on: CancelCheck,
-) -> Field | None:  # fmt: skip
-    """The finished relief of a style [mm], shape [vertex_count]; a function of the module, which goes to a process that prepares a part."""
-    style = finished_style(shape, wanted, go_on)
-    if style is not None and shown is not None:
-        place = wanted.on(surface=shape.surface.digest, tetrahedra="")
-        folder = folder_for(default_folder(place) if out is None else out, place, beside=beside)
-        look = styled_panel(shape.surface.displaced(style.relief).coloured(style.colour), wanted)
-        shown(picture([look], title=name).save(folder / STYLED))
-    return None if style is None else style.relief
-
-
-def started(
-    wanted: Recipe, part: SurfaceMesh | Workpiece, *,
-    vertices: int = STANDARD_VERTICES, origin: Origin | None = None, out: str | Path | None = None, name: str = "part",
-    device: str = "auto", stage: Stage = no_progress, prepare: Callable[..., Workpiece] = prepare, warn: Warn | None = None,
-    go_on: CancelCheck = never_cancel, beside: bool = True, shown: Callable[[Path], None] | None = None,
-) -> Run:  # fmt: skip
-    """Begin the run a drafted recipe asks for, or find it where it stopped; `.go()` carries it on.
-
-    Args as in `stylize`, and:
-        wanted: As `recipes.draft` makes it, for any part.
-        part: A closed surface [mm], or a part that is prepared already.
-        origin: Where a prepared part came from; a surface knows it itself.
-        prepare, warn: What prepares a surface, `simulation.part.prepare` or one like it; what takes sentences on thin walls.
-        go_on: Asked in between whether to; what it raises ends the work.
-        beside: As for `begin`.
-        shown: Called with the path of a picture of the finished style, written before the minutes that tetrahedra may take; None for none.
-    """
-    folder = None if out is None else Path(out)
-    if folder is not None:
-        check_free(folder, wanted, beside=beside)
-    relief = partial(_relief, wanted, shown, folder, name=name, beside=beside)
-    device, clock = resolve_device(device), Clock()
-    if warn is not None:
-        prepare = partial(prepare, measured=partial(_measured, wanted, folder, warn, beside=beside))
-    with clock.stages(stage) as begun:
-        origin = Origin.of(part, vertices) if isinstance(part, SurfaceMesh) else origin
-        part = made_ready(part, wanted, relief, prepare=prepare, vertices=vertices, device=device, stage=begun, go_on=go_on)
-    recipe = fitted(wanted, part)
-    run = begin(part, recipe, default_folder(recipe) if out is None else out, name=name, device=device, origin=origin, beside=beside)
-    run.clock.add(clock.seconds())
-    return run
-
-
-def _measured(wanted: Recipe, folder: Path | None, warn: Warn, shape: Shape, *, beside: bool) -> None:
-    """Warn of a part's walls, and refuse the folder of another part's run, before the minutes that tetrahedra may take."""
-    warn(shape.too_thin(wanted.delivery.minimum_wall))
-    if folder is not None and not wanted.delivery.strengthen:  # which gives another surface
-        check_free(folder, wanted.on(surface=shape.surface.digest), beside=beside)
+    vertices = (QUICK_VERTICES if quick else STANDARD_VERTICES) if vertices is None else vertices
+    wanted = Draft.of(mesh, prompt, material, freestyle=freestyle, vertices=vertices, name=name, folder=out, device=device, **settings)
+    logged(idle(settings, wanted.recipe))
+    return wanted.ready(stage=stage, warn=logged).begin().go(on_event)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
@@ -96,28 +95,24 @@ def summarise(engine: Engine, *, device: str, notes: tuple[str, ...], seconds: d
     simulation = engine.store.objects.get_record(last.simulation, Simulation)
     start, kept = history[0].style_loss, engine.kept(last)
     little = little_left(kept, engine.cuts()) if engine.recipe.restraint.guarantee else ""
+    shell = shell_words(engine.surface.displaced(simulation.displacement), engine.recipe)
+    walls = with_more_walls(engine.simulator, simulation, verdict) if isinstance(engine.simulator, DropSimulator) else ""
     return Summary(
         outcome=verdict.outcome, doubts=verdict.doubts, tolerance=verdict.tolerance, rows=verdict.rows, words=verdict.words,
         landings=simulation.landings, loads=simulation.loads, plain=engine.simulator.judge(engine.simulator.baseline, alone=True),
         simulations=simulations(history), style_loss=last.style_loss, style_loss_ratio=last.style_loss / start if start else 0.0,
         kept=kept, iterations=last.iteration, meshing=simulation.meshing, carried=simulation.carried,
         level_share=simulation.level_share, backed_off=simulation.backed_off, seconds=seconds,
-        notes=(*notes, *filter(None, (little, *_of_the_print(engine, simulation, verdict)))), lane=engine.lane,
+        notes=(*notes, *filter(None, (little, shell, walls))), lane=engine.lane,
         recipe=engine.recipe.digest, device=device, files=files,
     )  # fmt: skip
-
-
-def _of_the_print(engine: Engine, simulation: Simulation, verdict: Verdict) -> tuple[str, ...]:
-    """What style and print have to do with each other, in sentences; "" for nothing."""
-    simulator, words = engine.simulator, shell_words(engine.surface.displaced(simulation.displacement), engine.recipe)
-    return words, with_more_walls(simulator, simulation, verdict) if isinstance(simulator, DropSimulator) else ""
 
 
 @dataclass(eq=False)
 class Clock:
     """Wall seconds per stage."""
 
-    _seconds: defaultdict[str, float] = field(default_factory=lambda: defaultdict(float))
+    _seconds: dict[str, float] = field(default_factory=dict)
 
     @contextmanager
     def stage(self, name: str) -> Iterator[None]:
@@ -126,7 +121,7 @@ class Clock:
         try:
             yield
         finally:
-            self._seconds[name] += time.perf_counter() - start
+            self.add({name: time.perf_counter() - start})
 
     @contextmanager
     def stages(self, tell: Callable[[str], None]) -> Iterator[Callable[[str], None]]:
@@ -154,7 +149,7 @@ class Clock:
     def add(self, seconds: dict[str, float]) -> None:
         """Count stages measured elsewhere."""
         for name, value in seconds.items():
-            self._seconds[name] += value
+            self._seconds[name] = self._seconds.get(name, 0.0) + value
 
     def seconds(self) -> dict[str, float]:
         """Seconds per stage so far, in the order the stages began [s]."""

@@ -86,7 +86,7 @@ def estimated(recipe: Recipe, vertices: int, *, fall: float | None = None, cores
         cores: Cores of this machine, each of which takes a fall; None for those that this process may use.
     """
     cores, test, schedule = cores or cores_allowed(), recipe.test, recipe.schedule
-    every = test.orientations + NEARLY_FLAT * test.nearly_flat + len(test.loads)
+    every = falls_of_a_test(recipe.settings)
     steering, plan = 1 + STEERING * test.nearly_flat + len(test.loads), plan_of(recipe.settings)
     on_the_way = 0 if plan is None else len(plan.places) - 1
     thorough = 2 + recipe.restraint.guarantee
@@ -133,6 +133,12 @@ def plan_of(settings: Mapping[str, Any]) -> Plan | None:
     if not all(name in settings for name in DECIDES):
         return None
     return plan(*(settings[name] for name in DECIDES))
+
+
+def falls_of_a_test(settings: Mapping[str, Any]) -> int:
+    """Falls of the plain part and of a finished one, about; a load counts as one."""
+    nearly_flat = NEARLY_FLAT if settings.get("nearly_flat", True) else 0
+    return int(settings.get("orientations", 1)) + nearly_flat + len(settings.get("loads", ()))
 
 
 def landings_on_the_way(settings: Mapping[str, Any]) -> int:

@@ -68,8 +68,8 @@ PLAIN_RAMP = 2.0
 """Way from a plain inside, and from ends left plain, over which the relief grows to its full depth [mm]."""
 LEAST_INSIDE = 0.005
 """Share of the surface from which a part has an inside."""
-LEFT_PLAIN = "its inside is left plain, so that what belongs into it fits: --inside styled has it styled as well"
-MATING = "flat ends that may meet something else, as feet and rims do, are left plain: --inside styled has them styled as well"
+LEFT_PLAIN = "its inside is left plain, so that what belongs into it fits: --inside styled styles it as well"
+MATING = "flat ends that may meet something else, as feet and rims do, are left plain: --inside styled styles them as well"
 """Said of a part with an inside, and of one with such ends."""
 
 Stage = Callable[[str], None]

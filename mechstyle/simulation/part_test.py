@@ -20,7 +20,7 @@ from mechstyle.geometry.proximity import TriangleTree
 from mechstyle.loop import minimum_wall as walls
 from mechstyle.pictures import fields
 from mechstyle.pictures.panels import Picture, bent_panel, field_panel, picture, stress_note
-from mechstyle.records import Recipe, Simulation, Verdict
+from mechstyle.records import Recipe, Simulation, Verdict, sentences
 from mechstyle.records.landings import with_drops
 from mechstyle.records.load_cases import LoadCase, load_cases
 from mechstyle.records.material import Material, material_named
@@ -117,13 +117,13 @@ class PartTest:
         """Stress in the worst test from three sides, and what stays bent in it, exaggerated."""
         worst, surface, strength = self.verdict.deciding, self.surface, self.recipe.test.material.yield_strength
         stress = fields.stress(strength, worst)
-        values = stress.of(self.simulation)
+        values = stress.values_in(self.simulation)
         views, note = (("three_quarter", "stress"), ("front", "from the front"), ("below", "from below")), self.verdict.short
         panels = [field_panel(surface, stress, values, title=title, view=view) for view, title in views]
         if worst is not None:
             note = stress_note(surface, values, strength, worst)
             panels += [bent_panel(surface, self.simulation, worst)] if worst.test != "published rule" else []
-        return picture([replace(panels[0], note=note), *panels[1:]], title=self.verdict.short, columns=2)
+        return picture([replace(panels[0], note=note), *panels[1:]], title=sentences.title(self.verdict), columns=2)
 
     def show_history(self) -> Picture:
         """Largest stress, energies and contact force of the drop as placed over time.

@@ -23,6 +23,9 @@ from mechstyle.simulation.printed import printed_body
 PHYSICS_VERSION = 22
 """Counts changes that alter results, so that remembered simulations of older code are not reused."""
 
+PRINTED_VERSION = 2
+"""The same of changes that alter those of prints with infill alone."""
+
 
 def prescribed(recipe: Recipe) -> DropTest:
     """The drop test a recipe prescribes."""
@@ -45,7 +48,7 @@ def landings_of(surface: SurfaceMesh, recipe: Recipe) -> Orientations:
 def physics(recipe: Recipe) -> tuple[Any, ...]:
     """What decides the drop of a displaced part as placed and the stress it leaves on the surface."""
     test = recipe.test
-    inside = () if recipe.printed.solid else (recipe.printed, test.build_direction)
+    inside = () if recipe.printed.solid else (PRINTED_VERSION, recipe.printed, test.build_direction)
     return test.specimen, test.material, prescribed(recipe), test.transfer, *inside
 
 
@@ -67,7 +70,7 @@ def period_of(tets: Callable[[], TetMesh], recipe: Recipe, memos: Memos) -> floa
     if recipe.test.window is not None:
         return None
     surface, material, element = recipe.test.specimen.surface, recipe.test.material, recipe.test.element
-    inside = () if recipe.printed.solid else (recipe.printed, recipe.test.build_direction)
+    inside = () if recipe.printed.solid else (PRINTED_VERSION, recipe.printed, recipe.test.build_direction)
     key = memo_key(("period", PHYSICS_VERSION, surface, material, element, *inside), np.empty(0, np.float32))
     period = memos.recall(key, float)
     if period is None:  # with the mass of any test: what is remembered must not depend on who asked first

@@ -64,10 +64,14 @@ def shell_shares(tets: TetMesh, printed: Printed, up: tuple[float, float, float]
         ([STRETCHED, STRETCHED, 1.0], looks < 0.0, printed.bottom * printed.layer_height),
     ):
         if deep > 0.0:
-            found = TriangleTree(corners * stretch, tets.boundary_faces[faces]).nearest(points * stretch)
-            share = 0.5 + (deep - found.distance) / np.minimum(apart, 2.0 * deep)
-            np.maximum(inside, np.clip(share, 0.0, 1.0), out=inside)
-    return np.asarray(inside.reshape(-1, len(near)) @ _nearest_corner(near))
+            left = np.flatnonzero(inside < 1.0)  # of which it is not known yet that they are wholly in the shell
+            even = np.minimum(apart[left], 2.0 * deep)
+            tree = TriangleTree(corners * stretch, tets.boundary_faces[faces])
+            found = tree.nearest(points[left] * stretch, 1.001 * (deep + 0.5 * float(even.max(initial=0.0))))
+            share = 0.5 + (deep - found.distance) / even
+            inside[left] = np.maximum(inside[left], np.clip(share, 0.0, 1.0))
+    corner = near == near.max(axis=1, keepdims=True)  # the one that each point is nearest to
+    return np.asarray(inside.reshape(-1, len(near)) @ np.asarray(corner / corner.sum(axis=0)))
 
 
 @lru_cache(maxsize=1)
@@ -79,9 +83,3 @@ def _points() -> Floats:
     ratio = 1.2207440846057596  # the root of x⁴ = x + 1
     numbers = np.sort((0.5 + np.arange(1, POINTS + 1)[:, None] / ratio ** np.arange(1, 4)) % 1.0, axis=1)
     return np.diff(numbers, axis=1, prepend=0.0, append=1.0)
-
-
-def _nearest_corner(points: Floats) -> Floats:
-    """What each point counts in the corner that it is nearest to, shape [point_count, 4]."""
-    nearest = points == points.max(axis=1, keepdims=True)
-    return np.asarray(nearest / nearest.sum(axis=0))

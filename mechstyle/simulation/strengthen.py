@@ -24,7 +24,7 @@ from mechstyle.loop import control
 from mechstyle.records import Recipe, Simulation, Verdict, judge, sentences
 from mechstyle.records.material import Material
 from mechstyle.records.mesh import STANDARD_VERTICES, SurfaceMesh
-from mechstyle.simulation.part import Relief, Stage, Workpiece, cached_memo, fitted, prepare, refilled
+from mechstyle.simulation.part import Stage, Workpiece, cached_memo, fitted, prepare
 from mechstyle.simulation.simulator import DropSimulator
 
 if TYPE_CHECKING:
@@ -151,33 +151,6 @@ def strengthened(
         stage(f"thickening it, round {turn + 1}")
         after = simulator.simulate(added, thorough=True)
     return Strengthened(part, plain, added, before, after, turn)
-
-
-def made_ready(
-    mesh: SurfaceMesh | Workpiece, recipe: Recipe, relief: Relief, *,
-    prepare: Callable[..., Workpiece], vertices: int, device: str, stage: Stage, go_on: CancelCheck = never_cancel,
-) -> Workpiece:  # fmt: skip
-    """A part made ready for a style: thickened first, if the recipe asks for it, with tetrahedra that carry the style's relief.
-
-    Args:
-        mesh: A closed surface [mm], or a part that is prepared; one that was thickened before is not thickened again.
-        recipe: What it is made ready for.
-        relief: The finished relief on a part.
-        prepare: What prepares a surface, `simulation.part.prepare` or a function like it.
-        vertices: Vertices of the standardised surface.
-        device: Where it is tested.
-        stage: Called with what is being done, in words.
-        go_on: Asked in between whether to; what it raises ends the work.
-    """
-    thicker, before = None, isinstance(mesh, Workpiece) and mesh.mass_gained > 0.0
-    if recipe.delivery.strengthen and not before:
-        thicker = strengthened(mesh, recipe, vertices=vertices, device=device, stage=stage, prepare=prepare, go_on=go_on)
-    rough = mesh if thicker is None else thicker.result
-    if isinstance(rough, Workpiece):
-        part = refilled(rough, relief, stage, go_on)
-    else:
-        part = prepare(rough, vertices=vertices, stage=stage, relief=relief, go_on=go_on)
-    return part if thicker is None else thicker.noted(part)
 
 
 def _freedom(part: Workpiece, recipe: Recipe) -> NDArray[np.float64]:

@@ -65,7 +65,7 @@ def target(
         canvas: What to draw on; by default one for the wish, the dimensions and the seed.
     """
     if not wish.style:
-        return _plain(wish, len(mesh.vertices))
+        return _without_relief(wish, len(mesh.vertices))
     style = style_named(wish.style)
     canvas = canvas or dimensions.canvas(mesh, thickness, wish, seed)
     relief = style.program(canvas)
@@ -105,7 +105,7 @@ def canvas_for(recipe: Recipe, wish: Wish, mesh: SurfaceMesh, thickness: ArrayLi
     return canvas
 
 
-def _plain(wish: Wish, count: int) -> Target:
+def _without_relief(wish: Wish, count: int) -> Target:
     """No relief, and the colour asked for or that of an uncoloured part."""
     colour = (NEUTRAL, NEUTRAL, NEUTRAL) if wish.colour is None else wish.colour
     return Target(np.zeros(count, np.float32), np.tile(np.array(colour, np.float32), (count, 1)), ())

@@ -55,7 +55,7 @@ from mechstyle.styling.phrases import (
 )
 from mechstyle.styling.picture import NAME as OWN
 from mechstyle.styling.vocabulary import PICTURE
-from mechstyle.styling.words import Word, abroad, quoted, words
+from mechstyle.styling.words import Word, abroad, quoted, words_read
 
 Rgb = tuple[float, float, float]
 
@@ -138,7 +138,7 @@ def read(prompt: str, *, picture: bool = False) -> Reading:
             styles.
     """
     check_prompt(prompt)
-    found, notes = words(prompt)
+    found, notes = words_read(prompt)
     strange = abroad(prompt)
     if (strange or (notes and not any(_understood(word, notes) for word in found))) and (style := sure(prompt)):
         return _meant(prompt, style)  # a slip is guessed only where no meaning is sure
@@ -455,7 +455,7 @@ def suggestions(prompt: str, count: int = SUGGESTED) -> tuple[str, ...]:
 
     Words that mean nothing are compared by their letters; what is missing then are styles that most people know.
     """
-    found, _ = words(prompt)
+    found, _ = words_read(prompt)
     near: list[list[str]] = []
     for word in found:
         one = style_of(word) or english.weak().get(word.means or word.text)

@@ -60,7 +60,7 @@ class Word(NamedTuple):
         return float(self.text) if re.fullmatch(r"[-+]?\d+(?:\.\d+)?", self.text) else None
 
 
-def words(prompt: str) -> tuple[list[Word], list[str]]:
+def words_read(prompt: str) -> tuple[list[Word], list[str]]:
     """The words of a prompt, and a note for each that was guessed."""
     typed = _joined(_typed(prompt))
     eastern = ("Japanese", "Chinese") if _KANA.search(typed) else ("Chinese", "Japanese")
@@ -235,6 +235,8 @@ def _known(word: str, language: str) -> str:
 def language_of(tokens: Sequence[str]) -> str:
     """The language, "" for English, that knows most of the words, and most of them as they are written; English if that is as likely."""
     western = [token for token in tokens if token.isalpha() and not _is_eastern(token) and token not in english.MILLIMETRES]
+    if _covered(western, "")[:2] == (len(western), len(western)):  # no other can know more: its dictionary need not be read
+        return ""
     return max(("", *SPACED), key=lambda language: _covered(western, language))
 
 
@@ -341,12 +343,19 @@ def _misspelt(word: str, language: str) -> str:
     for slipped in (_slips,) if _of_two(word) else (_slips, _scrambled):
         close = [
             (means not in looks, len(other) == len(form), other, means)
-            for form, (other, means) in itertools.product(forms, _dictionary(language).items())
-            if means not in english.FILLERS and (means not in looks or min(len(word), len(other)) >= least) and slipped(form, other)
+            for form in forms
+            for other, means in _beginning_with(form[0], language)
+            if (means not in looks or min(len(word), len(other)) >= least) and slipped(form, other)
         ]
         if close:
             return min(close)[3]
     return ""
+
+
+@cache
+def _beginning_with(letter: str, language: str) -> tuple[tuple[str, str], ...]:
+    """The words of a language that a word with this first letter may be a misspelling of, and what they mean."""
+    return tuple((word, means) for word, means in _dictionary(language).items() if word[0] == letter and means not in english.FILLERS)
 
 
 def _slips(word: str, meant: str) -> bool:

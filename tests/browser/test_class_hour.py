@@ -174,7 +174,16 @@ def test_another_part_in_the_same_studio(hour, cube, part):
     hour.drawn()
 
 
+SAYS = """html => {
+    const said = document.createElement('div');
+    said.innerHTML = html;
+    return document.querySelector('.mechstyle-badge').textContent.includes(said.textContent);
+}"""
+"""Whether the badge of the page, which hears of the end later than the kernel, has these words."""
+
+
 def test_after_a_reload_it_is_what_the_kernel_has(hour):
+    hour.page.wait_for_function(SAYS, arg=hour.python("print(studio._viewer.badge._words.value.partition('</style>')[2])").strip())
     told, now = badge(hour).inner_text(), hour.python("print(studio.state.lane, studio.state.iteration)")
     hour.page.evaluate("() => window.jupyterapp.commands.execute('docmanager:save')")
     hour.page.reload(wait_until="domcontentloaded")

@@ -49,7 +49,7 @@ def test_the_line_that_is_dragged_moves_the_view_with_it(shown):
     shown.page.mouse.move(*ends[0])
     shown.page.mouse.down()
     shown.page.mouse.move(*ends[1], steps=8)
-    shown.until("studio.viewer._drawn", ITERATIONS // 3)
+    shown.until("(studio.state.iteration, studio.viewer.up_to_date)", (ITERATIONS // 3, True))
     shown.changed(shown.canvas(), before, 0.003)
     shown.page.mouse.up()
     assert shown.python("print(studio.state.iteration, studio.state.lane)") == f"{ITERATIONS // 3} main", "let go over a mark of another"

@@ -10,6 +10,8 @@ from playwright.sync_api import expect
 from mechstyle.geometry.files import save
 from support.knob import knob
 
+from .conftest import VIEWPORT
+
 pytestmark = pytest.mark.browser
 
 DROP = """([place, name, data]) => {
@@ -18,6 +20,10 @@ DROP = """([place, name, data]) => {
     for (const kind of ['dragover', 'drop'])
         document.querySelector(place).dispatchEvent(new DragEvent(kind, {dataTransfer: given, bubbles: true, cancelable: true}));
 }"""
+
+SEEN = """() => [...document.querySelectorAll('.mechstyle-viewer canvas')].map((one) => one.getBoundingClientRect())
+    .reduce((sum, box) => sum + box.width * (Math.min(box.bottom, innerHeight) - box.top), 0) / (innerWidth * innerHeight)"""
+"""Share of the window in which parts are seen."""
 
 
 @pytest.fixture(scope="module")
@@ -39,6 +45,18 @@ def test_a_finished_comparison_is_on_show_and_nothing_is_computed(opened):
 def test_no_scale_and_no_word_lies_over_the_part(opened):
     seen, under = (opened.page.locator(place).first.bounding_box() for place in (".mechstyle-seen", ".mechstyle-under"))
     assert under["y"] >= seen["y"] + seen["height"] - 1.0
+
+
+def test_in_the_full_window_the_comparison_has_most_of_it_and_what_is_next_stands_over_the_result(opened):
+    opened.page.set_viewport_size({"width": 1440, "height": 900})
+    opened.page.get_by_role("button", name="Full window").first.click()
+    opened.page.wait_for_function(f"() => ({SEEN})() >= 0.45")
+    opened.keep("opening-full-window")
+    boxes = [opened.page.locator(place).first.bounding_box() for place in (".mechstyle-next", ".mechstyle-result")]
+    assert boxes[0]["x"] == boxes[1]["x"]
+    assert boxes[0]["y"] + boxes[0]["height"] <= boxes[1]["y"]
+    opened.page.get_by_role("button", name="Full window").first.click()
+    opened.page.set_viewport_size(VIEWPORT)
 
 
 def test_the_one_filled_button_waits_for_a_style_of_ones_own(opened):

@@ -16,7 +16,7 @@ import mechstyle
 from mechstyle.cli import run, simulate
 from mechstyle.cli.app import app
 from mechstyle.records.recipe import CHAPTER_OF, CHAPTERS, CHOICES, DEFAULTS, OPTIONS, SETTINGS, described
-from mechstyle.runs.recipes import draft
+from mechstyle.runs.recipes import recipe_for
 from mechstyle.simulation import part_test
 
 STYLED = (
@@ -226,9 +226,9 @@ def test_only_what_was_given_reaches_the_recipe(asked):
 @pytest.mark.parametrize("command", ["run", "freestyle"])
 def test_a_fall_is_given_with_its_unit_and_nearly_flat_as_a_flag(asked, command):
     given = asked(command, "gallery:vase", "-p", "brick", "--height", "4 cm", "--no-nearly-flat")
-    recipe = draft(**given)
+    recipe = recipe_for(**given)
     assert (recipe.test.height, recipe.test.nearly_flat) == (40.0, False)
-    assert draft(**asked(command, "gallery:vase", "-p", "brick", "--set", "height=1,2 m")).test.height == 1200.0
+    assert recipe_for(**asked(command, "gallery:vase", "-p", "brick", "--set", "height=1,2 m")).test.height == 1200.0
 
 
 @pytest.mark.parametrize("command", ["run", "freestyle", "simulate", "demo", "branch"])
@@ -241,7 +241,7 @@ def test_a_height_without_unit_that_would_be_a_few_millimetres_is_asked_about_be
 
 @pytest.mark.parametrize("command", ["run", "freestyle", "simulate", "demo", "branch"])
 def test_a_tolerance_has_a_unit_and_a_bad_one_is_refused_before_anything_else(asked, command):
-    assert draft(**asked("run", "gallery:vase", "-p", "brick", "--tolerance", "150 µm")).test.tolerance == pytest.approx(0.15)
+    assert recipe_for(**asked("run", "gallery:vase", "-p", "brick", "--tolerance", "150 µm")).test.tolerance == pytest.approx(0.15)
     model = {"demo": ["--model", "gallery:none"], "branch": ["nowhere"]}.get(command, ["gallery:none"])
     outcome = CliRunner().invoke(app, [command, *model, "--tolerance", "0.2 m"])
     assert outcome.exit_code == 2

@@ -1,5 +1,6 @@
 """Drops that leave something: energy, steps, heights, and impacts one after the other."""
 
+import re
 from dataclasses import replace
 
 import msgspec
@@ -12,7 +13,9 @@ from mechstyle.fea.backends.gpu import DeviceBody
 from mechstyle.fea.drop import DropTest, drop
 from mechstyle.fea.elements import ELEMENTS
 from mechstyle.fea.orientations import directions
+from mechstyle.fea.permanent_set import measured
 from mechstyle.records.mesh import TetMesh
+from support import ROOT
 from validation.meshes import box, lattice
 
 UPRIGHT = [0.0, 0.0, 1.0]
@@ -110,6 +113,20 @@ def test_twice_the_height_never_leaves_less(post, pla):
     assert (work[-1] > work[0]).all()
     strain = np.array([np.sort(each.plastic_strain, axis=None)[-200:].mean() for each in kept])
     assert (np.diff(strain) > 0.0).all()
+
+
+BAR = r"A bar of 100 × 10 × 10 mm .* 5° .*, reads (.+) % of strain from (.+) m and (.+) % from (.+) m; (.+) and (.+) mm stay bent"
+
+
+def test_a_bar_reads_less_strain_from_twice_the_height_as_the_page_on_limits_says(pla):
+    told = [float(word) for word in re.search(BAR, (ROOT / "docs" / "limits.md").read_text(encoding="utf-8")).groups()]
+    bar, read = box((30, 3, 3), (100.0, 10.0, 10.0)), []
+    for metres in (told[1], told[3]):
+        found = drop(bar, pla, [tilted(5.0, 45.0)], DropTest(height=1000.0 * metres), device="cpu")
+        read.append(measured(bar, found.permanent[0], found.tension_strain[0]))
+    assert read[1].plastic_strain < read[0].plastic_strain
+    assert [100.0 * each.plastic_strain for each in read] == pytest.approx([told[0], told[2]], abs=0.06)
+    assert [each.permanent_set for each in read] == pytest.approx(told[4:], abs=0.006)
 
 
 def test_a_body_that_never_yields_is_the_elastic_one(block, pla):

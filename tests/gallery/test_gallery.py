@@ -1,9 +1,10 @@
 """Every model of the gallery: one closed body with printable walls that stands as it is used."""
 
 import inspect
-import subprocess
-import sys
+import json
+import os
 from importlib import import_module
+from pathlib import Path
 
 import manifold3d
 import numpy as np
@@ -94,11 +95,6 @@ def test_the_gallery_lists_what_is_designed():
         assert "\n" not in gallery.describe(name)
 
 
-def test_listing_the_gallery_loads_nothing_heavy():
-    probe = "import sys; from mechstyle import gallery; gallery.names(); print({'manifold3d', 'scipy', 'warp'} & set(sys.modules))"
-    assert subprocess.run([sys.executable, "-c", probe], capture_output=True, text=True, check=True).stdout.strip() == "set()"
-
-
 @pytest.mark.parametrize("name", NAMES)
 def test_a_model_is_one_closed_body_of_its_genus(name, models):
     mesh = models[name]
@@ -118,6 +114,28 @@ def test_a_model_has_its_size_and_stands_on_the_origin(name, models):
     assert 0.5 * (mesh.vertices.min(axis=0) + mesh.vertices.max(axis=0))[:2] == pytest.approx((0.0, 0.0), abs=1e-9)
 
 
+STORED = Path(__file__).with_name("models.json")
+"""Volume [mm³] and area [mm²] of each model; with $MECHSTYLE_STORE_MODELS at 1 they are those of now."""
+
+
+@pytest.fixture(scope="module")
+def before(models):
+    if os.environ.get("MECHSTYLE_STORE_MODELS") == "1":
+        lines = (f"{json.dumps(name)}: {json.dumps(figures_of(models[name]))}" for name in NAMES)
+        STORED.write_text("{\n" + ",\n".join(lines) + "\n}\n")
+    return json.loads(STORED.read_text())
+
+
+def figures_of(mesh):
+    return [round(float(mesh.volume), 3), round(float(mesh.face_areas.sum()), 3)]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_model_is_the_part_it_was_before_unless_its_change_is_stored(name, models, before):
+    """The table of the gallery and every lesson are of it: whoever changes it makes them again, and then stores these."""
+    assert figures_of(models[name]) == pytest.approx(before[name], rel=1e-6)
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_a_model_rests_on_a_flat_face_and_does_not_tip_over(name, models):
     mesh = models[name]
@@ -133,21 +151,6 @@ def test_walls_can_be_printed(name, models):
     thickness = wall_thickness(models[name], 700)
     assert len(thickness) > 230
     assert thickness.min() >= 1.2  # three lines of a 0.4 mm nozzle
-
-
-@pytest.mark.parametrize("name", NAMES)
-def test_a_model_has_no_folded_faces(name, models):
-    mesh = models[name]
-    sides = np.sort(mesh.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
-    pairs = np.repeat(np.arange(len(mesh.faces)), 3)[np.lexsort((sides[:, 1], sides[:, 0]))].reshape(-1, 2)
-    turn = np.einsum("ij,ij->i", mesh.face_normals[pairs[:, 0]], mesh.face_normals[pairs[:, 1]])
-    assert turn.min() > -0.9
-
-
-@pytest.mark.parametrize("name", NAMES)
-def test_equal_measures_give_equal_bytes(name, models):
-    assert gallery.make(name).digest == models[name].digest
-    assert gallery.make(name, **measures(name)).digest == models[name].digest
 
 
 @pytest.mark.parametrize(("name", "measure"), [(name, measure) for name in NAMES for measure in measures(name)])
@@ -180,12 +183,6 @@ def test_random_measures_give_a_sound_model_or_a_sentence(name):
 def test_measures_out_of_range_are_refused(name, measure, value):
     with pytest.raises(BadInput, match=rf"{measure.replace('_', ' ')} is .*, but must lie in"):
         gallery.make(name, **{measure: value})
-
-
-def test_counts_are_whole():
-    assert gallery.make("pill_box", cells=2.0).digest == gallery.make("pill_box", cells=2).digest
-    with pytest.raises(BadInput, match=r"cells is 2\.5, but must be a whole number"):
-        gallery.make("pill_box", cells=2.5)
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,5 @@
 """A part is opened in one way, be it a file or a model of the gallery, and says where it came from."""
 
-import pickle
 from pathlib import Path
 
 import numpy as np
@@ -53,12 +52,6 @@ def test_what_is_made_from_a_loaded_surface_does_not_claim_to_be_it():
     assert repr(vase) == repr(vase.moved(vase.vertices))
 
 
-def test_a_loaded_surface_survives_the_way_to_another_process():
-    vase = ms.load("gallery:vase")
-    again = pickle.loads(pickle.dumps(vase))
-    assert (again.digest, again.origin, again.name) == (vase.digest, vase.origin, vase.name)
-
-
 def test_a_body_of_a_file_is_remembered_with_how_it_was_read(tmp_path):
     both = thing(1, mesh(PLATE)) + thing(2, mesh(BESIDE))
     path = put(tmp_path, "plate.3mf", package(model(both, '<item objectid="1"/><item objectid="2"/>')))
@@ -85,11 +78,6 @@ def test_an_address_says_how_its_file_is_read(tmp_path, said, extents, origin):
     assert sorted(part.extents) == pytest.approx(sorted(extents))
     assert (part.name, part.origin) == ("plate", Origin(model="plate.3mf", **origin))
     assert addressed(f"{path}#{said}") == (str(path), origin)
-
-
-def test_a_path_that_looks_like_an_address_is_a_path(tmp_path, cube):
-    path = ms.save(cube, tmp_path / "brick#unit=in.stl")
-    assert np.allclose(ms.load(path).extents, cube.extents)
 
 
 @pytest.mark.parametrize(

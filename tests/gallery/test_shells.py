@@ -11,11 +11,6 @@ TURN = _shells.angles(0)
 LEVEL = np.linspace(0.0, 40.0, 41)
 
 
-def test_angles_are_even_and_fine_enough_for_the_waves():
-    assert len(_shells.angles(20)) == 320
-    assert np.diff(_shells.angles(5)) == pytest.approx(_shells.angles(5)[1])
-
-
 def test_the_wall_of_a_cone_is_as_thick_along_its_normal_as_asked():
     lean = 0.5
     outer = np.repeat((60.0 - lean * LEVEL)[:, None], len(TURN), axis=1)
@@ -31,13 +26,6 @@ def test_the_wall_of_a_fluted_tube_is_thicker_across_where_it_runs_slantwise():
     assert across[steepest] == pytest.approx(2.0 * math.hypot(1.0, 2 * 8 / 50), rel=0.01)
 
 
-def test_a_rim_is_half_an_ellipse_from_edge_to_edge():
-    radius, level = _shells.rim(np.full(5, 12.0), np.full(5, 8.0), 30.0, 2.0)
-    assert np.hypot((radius[:, 0] - 10.0) / 2.0, (level - 30.0) / 2.0) == pytest.approx(1.0)
-    assert radius[0, 0] > 10.0 > radius[-1, 0]
-    assert level.max() == pytest.approx(32.0)
-
-
 def test_a_bowl_follows_the_wall_down_and_runs_out_onto_the_floor():
     inner = np.repeat((20.0 + 0.2 * LEVEL)[:, None], 7, axis=1)
     radius, level = _shells.bowl(inner, LEVEL, 3.0, 5.0)
@@ -46,8 +34,3 @@ def test_a_bowl_follows_the_wall_down_and_runs_out_onto_the_floor():
     assert (np.diff(level) < 0).all()
     assert level[-1] == pytest.approx(3.0)
     assert radius[-1, 0] == pytest.approx(20.0 + 0.2 * 3.0 - 5.0)
-
-
-def test_rings_lie_at_their_radii_and_heights():
-    rings = _shells.rings(np.array([[2.0, 3.0]]), np.array([7.0]), np.array([0.0, math.pi / 2]))
-    assert rings[0] == pytest.approx(np.array([(2.0, 0.0, 7.0), (0.0, 3.0, 7.0)]))

@@ -23,16 +23,6 @@ def test_circles_are_as_round_as_promised(radius):
     assert radius * (1 - math.cos(math.pi / sides)) <= max(_solids.SAGITTA, 0.3 * radius / 8) + 1e-9
 
 
-def test_a_box_with_round_corners_has_its_area():
-    assert _solids.box(40, 30, 5).area() == pytest.approx(40 * 30 - (4 - math.pi) * 25, rel=1e-3)
-
-
-def test_a_stroke_is_as_long_and_thick_as_drawn():
-    area = _solids.stroke([(0, 0), (30, 0), (30, 20)], 4.0).area()
-    corner = 4.0 - 4.0 * math.pi / 4  # two rectangles share a quarter square, a quarter disc rounds the outside
-    assert area == pytest.approx(50 * 4 + math.pi * 4 - corner, rel=5e-3)
-
-
 def test_softening_rounds_outer_corners_and_fills_inner_ones():
     square = CrossSection.square((20, 20))
     assert _solids.softened(square, 3.0, 1.0).area() == pytest.approx(400 - (4 - math.pi) * 9, rel=1e-3)
@@ -49,22 +39,6 @@ def test_a_slab_is_a_prism_less_its_chamfer_and_round():
     round_ = (1 - math.pi / 4) * top**2 * 2 * math.pi * (radius - top * (1 - 2 / 3 / (4 - math.pi)))
     assert body.volume() == pytest.approx(math.pi * radius**2 * height - chamfer - round_, rel=3e-3)
     assert body.bounding_box() == pytest.approx((-20, -20, 0, 20, 20, 10))
-
-
-def test_a_plain_slab_is_exact_also_around_holes():
-    frame = CrossSection.square((30, 20), center=True) - CrossSection.square((10, 10), center=True)
-    body = sound(_solids.slab(frame, 5.0, foot=0, top=0))
-    assert body.volume() == pytest.approx(500 * 5)
-    assert body.genus() == 1
-
-
-def test_edges_of_a_hole_are_rounded_into_the_material():
-    frame = _solids.softened(CrossSection.square((40, 40), center=True), 3.0, 1.0) - _solids.disc(10.0)
-    body = sound(_solids.slab(frame, 6.0, foot=0, top=1.5))
-    top = body.slice(6.0 - 1e-6).area()
-    assert top < frame.area()
-    hole = body.slice(6.0 - 1e-6).to_polygons()
-    assert min(np.linalg.norm(contour, axis=1).min() for contour in hole) == pytest.approx(11.5, abs=0.05)
 
 
 def test_a_bar_is_its_side_view_times_its_width():
@@ -104,34 +78,8 @@ def test_a_swept_bar_has_its_section_and_length():
     assert body.bounding_box() == pytest.approx((-4, -2, 0, 4, 2, 30))
 
 
-def test_a_superellipse_reaches_its_half_axes_and_grows_with_its_power():
-    line = _solids.superellipse(5.0, 3.0, 2.6, 64)
-    assert np.abs(line).max(axis=0) == pytest.approx((5.0, 3.0))
-    assert (np.abs(line / (5.0, 3.0)) ** 2.6).sum(axis=1) == pytest.approx(1.0)
-    areas = [_solids.polygon(_solids.superellipse(1.0, 1.0, power, 400)).area() for power in (1.0, 2.0, 4.0)]
-    assert areas == pytest.approx([2.0, math.pi, 3.7081], rel=1e-3)
-
-
-def test_standing_puts_a_body_on_the_floor_over_the_origin():
-    mesh = _solids.standing(Manifold.cube((2, 4, 6)).translate((5, -7, -30)))
-    assert mesh.vertices.min(axis=0) == pytest.approx((-1, -2, 0))
-    assert mesh.vertices.max(axis=0) == pytest.approx((1, 2, 6))
-    assert mesh.volume == pytest.approx(48)
-
-
 def test_what_is_not_one_body_is_refused():
     apart = Manifold.cube((1, 1, 1)) + Manifold.cube((1, 1, 1)).translate((5, 0, 0))
     for body in (apart, Manifold()):
         with pytest.raises(BadInput, match="one solid body"):
             _solids.standing(body)
-
-
-def test_rounding_more_than_the_corners_allow_is_refused():
-    with pytest.raises(BadInput, match="rounded more than its corners allow"):
-        _solids.slab(_solids.box(6.0, 6.0, 1.0), 10.0, top=3.5)
-
-
-def test_ranges_are_inclusive_and_name_the_measure():
-    _solids.within(wall=(1.2, 1.2, 5))
-    with pytest.raises(BadInput, match="slot width is 9, but must lie in 1 to 8"):
-        _solids.within(slot_width=(9, 1, 8))

@@ -9,7 +9,8 @@ from matplotlib.image import imread
 import mechstyle as ms
 from mechstyle.errors import BadInput
 from mechstyle.gallery import swatches
-from mechstyle.styling.library import names, style_named
+from mechstyle.styling.library import names
+from mechstyle.styling.style import Relief, Style
 
 
 @pytest.fixture
@@ -43,22 +44,22 @@ def test_a_swatch_is_drawn_once_and_kept(cache, monkeypatch):
     assert swatches.swatch("marble") == png
 
 
-def test_a_swatch_of_other_code_is_not_shown(cache, monkeypatch):
-    monkeypatch.setattr(swatches, "_drawn", lambda _: b"old")
-    assert swatches.swatch("marble") == b"old"
-    monkeypatch.setattr(swatches, "_code", lambda: "changed since then")
-    monkeypatch.setattr(swatches, "_drawn", lambda _: b"new")
-    assert swatches.swatch("marble") == b"new"
-
-
-def test_a_plate_stands_upright_with_up_in_the_picture_up():
-    relief = style_named("stripes").program(swatches.Canvas(swatches._plate(), seed=0, size=swatches.PLATE_SIZE))
-    columns = relief.height.reshape(swatches.PLATE_ROWS, swatches.PLATE_COLUMNS).mean(axis=0)
-    rows = relief.height.reshape(swatches.PLATE_ROWS, swatches.PLATE_COLUMNS).mean(axis=1)
-    assert rows.std() > 1.5 * columns.std()  # bands lie
-    assert np.allclose(swatches._plate().face_normals, [0.0, -1.0, 0.0])
-
-
 def test_an_unknown_style_has_no_swatch(cache):
     with pytest.raises(BadInput, match="'brick'"):
         swatches.swatch("bricks")
+
+
+def brightness(to_the_right, upwards):
+    """Of a grey plate that rises so much to the right and upwards, over that of its colour."""
+    z, x = (swatches.PLATE_STEP * grid.ravel() for grid in np.mgrid[: swatches.PLATE_ROWS, : swatches.PLATE_COLUMNS])
+    relief = Relief((to_the_right * x + upwards * z) / swatches.PLATE_HEIGHT, np.full((x.size, 3), 0.4))
+    drawn = swatches._drawn(Style("slope", "A slope.", 1.0, lambda _canvas: relief))
+    return imread(io.BytesIO(drawn))[..., :3].mean() / 0.4
+
+
+def test_a_groove_is_seen_by_its_sides_as_light_comes_from_the_upper_left():
+    """Sides of 17° are told apart at a glance: one is more than one and a half times as bright as the other, and neither is white."""
+    assert brightness(0.0, 0.0) == pytest.approx(1.0, abs=0.01)
+    for left, right in (((0.3, 0.0), (-0.3, 0.0)), ((0.0, -0.3), (0.0, 0.3))):
+        assert 1.6 < brightness(*left) / brightness(*right) < 1.9
+        assert brightness(*left) < 1.3

@@ -24,8 +24,8 @@ def cup() -> SurfaceMesh:
 
 
 @pytest.fixture(scope="session")
-def cup_tets(cup) -> TetMesh:
-    return fill(cup, 3000)
+def cup_tets(cup, cache) -> TetMesh:
+    return fill(cup, 3000, cache=cache / "tets")
 
 
 @pytest.fixture(scope="session")

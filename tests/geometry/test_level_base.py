@@ -71,6 +71,24 @@ def test_each_foot_is_levelled_by_its_own_quantile(table):
         assert level[face.vertices][within] == pytest.approx(np.minimum(relief[face.vertices][within] - wanted, 0.0), abs=1e-5)
 
 
+def test_a_few_high_places_do_not_draw_the_others_deeper(table):
+    """A fifth of a foot stands higher than the quantile: it is cut down to it, and the foot does not come to stand on it alone."""
+    base, level = LevelBase(table), 0.3
+    relief = np.full(len(table.vertices), level)
+    for face in base.faces:
+        x = table.vertices[face.vertices, 0]
+        relief[face.vertices[x < np.quantile(x, 0.2)]] = 2.0
+    for face in base.faces:
+        assert face.shift(relief[face.vertices]) == pytest.approx(level)
+
+
+def test_what_stands_are_the_vertices_of_the_feet_with_their_rims(table):
+    base, on_floor = LevelBase(table), table.vertices[:, 2] < 1e-6
+    assert np.array_equal(base.standing, on_floor)
+    assert base.standing.any()
+    assert not base.standing.all()
+
+
 def test_a_quantile_that_leaves_too_little_is_lowered(table):
     """A step upwards at one vertex in four leaves hardly a triangle that is level at 70 %."""
     base = LevelBase(table)

@@ -118,11 +118,11 @@ def test_the_laplacian_knows_constants_and_linear_fields(cup_tets):
 
 
 @pytest.fixture(scope="module")
-def tile():
+def tile(cache):
     """A 24 × 16 × 6 mm slab in even triangles, a brick-like relief all over it, and tetrahedra made for half of that."""
     slab = even(surface_of(Manifold.cube((24.0, 16.0, 6.0))), 1500)
     relief = bricks(slab)
-    return slab, relief, fill(slab.displaced(0.5 * relief), 4000, keep=slab.displaced(2.0 * relief))
+    return slab, relief, fill(slab.displaced(0.5 * relief), 4000, keep=slab.displaced(2.0 * relief), cache=cache / "tets")
 
 
 def bricks(surface, height=0.6):
@@ -191,9 +191,9 @@ def test_what_is_reduced_is_reduced_towards_what_they_were_made_for(tile):
     assert np.all(result.displacement >= wanted - 1e-6)
 
 
-def test_they_carry_what_tets_of_the_part_at_rest_do_not(tile):
+def test_they_carry_what_tets_of_the_part_at_rest_do_not(tile, cache):
     slab, relief, tets = tile
-    at_rest = Morph(slab, fill(slab, 800))
+    at_rest = Morph(slab, fill(slab, 800, cache=cache / "tets"))
     shares = [followed_share(morph.morphed(relief), relief) for morph in (at_rest, Morph(slab, tets, 0.5 * relief))]
     assert shares[0] < 0.7
     assert shares[1] > 0.9

@@ -36,6 +36,16 @@ def test_the_point_is_what_face_and_weights_say(cube, outside):
     assert near.weights.sum(axis=1) == pytest.approx(1.0, abs=1e-12)
 
 
+def test_what_lies_beyond_reach_is_infinitely_far(cube, outside):
+    tree = TriangleTree(cube.vertices, cube.faces)
+    everything, near, none = tree.nearest(outside), tree.nearest(outside, 1.0), tree.nearest(np.empty((0, 3)), 1.0)
+    within = everything.distance < 1.0
+    assert within.any()
+    np.testing.assert_array_equal(near.distance, np.where(within, everything.distance, np.inf))
+    np.testing.assert_array_equal(near.face, np.where(within, everything.face, -1))
+    assert none.distance.shape == (0,)
+
+
 def test_far_from_the_origin_is_as_exact_as_near_it(cube, outside):
     far = np.array([1e5, -2e5, 3e5])
     here = TriangleTree(cube.vertices, cube.faces).nearest(outside).distance

@@ -15,7 +15,7 @@ NOTEBOOKS = sorted((ROOT / "notebooks").glob("0[1-9]*.ipynb"))  # lessons: 00 is
 
 SMALL = {
     "02_what_the_drop_test_computes": {"finest": 3},
-    "04_schedules": {"names": ["never", "geometry", "stress"]},
+    "04_schedules": {"names": ["never", "geometry"]},
     "05_tuning_thresholds": {"tried": [0.1, 1.0]},
     "06_branch_and_compare": {"every": 10},
     "07_a_reproducible_report": {"prompt": "cactus", "vertices": 1000, "iterations": 20},
@@ -23,18 +23,11 @@ SMALL = {
 """Parameters by notebook that are smaller than, or other than, the defaults in it."""
 
 
-@pytest.fixture(scope="module")
-def lessons(tmp_path_factory):
-    """Where notebooks 3 to 5 run, which open what an earlier one ran."""
-    return tmp_path_factory.mktemp("lessons")
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
 def test_notebook_runs(path, tmp_path, lessons):
     done = tmp_path / path.name
-    folder = lessons if path.stem[:2] in ("03", "04", "05") else tmp_path
-    papermill.execute_notebook(path, done, SMALL.get(path.stem), cwd=folder, kernel_name="python3", progress_bar=False, log_output=False)
+    papermill.execute_notebook(path, done, SMALL.get(path.stem), cwd=lessons, kernel_name="python3", progress_bar=False, log_output=False)
     notebook = nbformat.read(done, as_version=4)
     outputs = [output for cell in notebook.cells for output in cell.get("outputs", [])]
     shown = {kind for output in outputs for kind in output.get("data", {})}

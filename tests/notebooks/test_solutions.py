@@ -17,7 +17,7 @@ from mechstyle.fea.drop import DropTest
 from mechstyle.records import SETTINGS
 from mechstyle.records.material import material_named
 from mechstyle.records.recipe import CHOICES
-from mechstyle.runs.recipes import draft
+from mechstyle.runs.recipes import recipe_for
 from mechstyle.runs.run import Run
 from support import ROOT
 
@@ -55,7 +55,7 @@ def called(node: ast.Call) -> Any:
         parameters = inspect.signature(what).parameters
         settings = {word.arg: ast.literal_eval(word.value) for word in node.keywords if word.arg not in parameters}
         assert not settings or any(one.kind is one.VAR_KEYWORD for one in parameters.values())
-        draft("brick", **settings)  # refuses what is no setting, and a value it cannot have
+        recipe_for("brick", **settings)  # refuses what is no setting, and a value it cannot have
         return get_type_hints(what)["return"]
     what(**{word.arg: ast.literal_eval(word.value) for word in node.keywords})
     return what
@@ -65,7 +65,7 @@ def right(code: str, notebook: str) -> bool:
     """Whether a piece of code says something that is there; errors say what is not. Paths and words of other languages are let pass."""
     if re.match(r"\w+=", code):  # settings, as they are given by name
         settings = {word.arg: ast.literal_eval(word.value) for word in ast.parse(f"dict({code})").body[0].value.keywords}
-        draft("brick", **settings)
+        recipe_for("brick", **settings)
         return settings.keys() <= set(SETTINGS)
     if code.isidentifier():
         return code in {*WORDS, *SETTINGS} or re.search(rf"\b{code}\b", notebook) is not None
@@ -81,8 +81,8 @@ def test_what_the_answers_tell_to_write_exists(path):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("path", SOLUTIONS, ids=lambda path: path.stem)
-def test_the_code_of_the_answers_runs_and_says_what_they_say(path, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_the_code_of_the_answers_runs_and_says_what_they_say(path, lessons, monkeypatch):
+    monkeypatch.chdir(lessons)
     for block in re.findall(r"```python\n(.*?)```", path.read_text(encoding="utf-8"), flags=re.DOTALL):
         assert "assert " in block
         exec(compile(block, path.name, "exec"), {})

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import runpy
 
 import nbformat
 import pytest
@@ -33,6 +34,16 @@ def test_every_figure_has_words_and_every_cell_its_place_in_the_slides(path):
     assert [cell.source for cell in drawn if len(cell.metadata.get("alt", "")) < LEAST] == []
     assert all("slide_type" in cell.metadata.get("slideshow", {}) for cell in cells)
     assert sum("print" in cell.metadata.get("tags", []) and "alt" in cell.metadata for cell in cells) <= 1
+
+
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_the_figure_for_the_wall_is_the_one_that_is_tagged(path):
+    script = runpy.run_path(str(ROOT / "notebooks" / "print_figures.py"))
+    notebook = nbformat.read(path, as_version=4)
+    tagged = [cell.metadata["alt"] for cell in notebook.cells if "print" in cell.metadata.get("tags", [])]
+    found = script["figures"](notebook)
+    assert [words for _, words in found] == tagged
+    assert all(png.startswith(b"\x89PNG") for png, _ in found)
 
 
 def test_slides_load_nothing_and_keep_the_words_of_a_figure():

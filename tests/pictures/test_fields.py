@@ -5,12 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from mechstyle.pictures.fields import BENT_ABOVE, known, quantities, stays_bent
+from mechstyle.pictures.fields import BENT_ABOVE, judged, known, most_bent, quantities, stays_bent
 from support.records import (
     COUNT,
     STRENGTH,
     UNKNOWN,
     checkpoint,
+    landing,
     load_result,
     load_row,
     published_row,
@@ -32,9 +33,9 @@ def simulated(**changes):
     return simulation(failure="", **loads, **changes)
 
 
-def fields_of(judged, found, state=None):
+def fields_of(found_of, found, state=None):
     state = checkpoint() if state is None else state
-    return {field.quantity.name: field for field in known(recipe(), state, found, np.ones(COUNT), state, judged)}
+    return {field.quantity.name: field for field in known(recipe(), state, found, np.ones(COUNT), state, found_of)}
 
 
 def test_every_test_has_a_stress_of_its_own_against_the_yield_strength_in_a_fixed_order():
@@ -56,11 +57,31 @@ def test_stress_and_bend_are_of_the_worst_test_and_say_so():
     found = fields_of(TOLD, simulated())
     for name in ("stress", "stays_bent"):
         assert found[name].note == "tilted right, simulated at iteration 0"
-    assert np.array_equal(found["stress"].quantity.of(simulated()), simulated().landing_stress[2]), "as a file with fields reads it"
-    assert found["stays_bent"].values == pytest.approx(np.linalg.norm(simulated().landing_set[2], axis=1))
+    assert np.array_equal(found["stress"].quantity.values_in(simulated()), simulated().landing_stress[2]), "as a file with fields reads it"
+    assert np.array_equal(found["stays_bent"].values, judged(np.linalg.norm(simulated().landing_set[2], axis=1), TILTED))
     loaded = fields_of(verdict(row(), load_row(0.15, load="coat")), simulated(), checkpoint(simulated_at=3))
     assert loaded["stress"].note == loaded["stays_bent"].note == "load coat"
-    assert np.array_equal(loaded["stress"].quantity.of(simulated()), simulated().load_stress[1])
+    assert np.array_equal(loaded["stress"].quantity.values_in(simulated()), simulated().load_stress[1])
+
+
+@pytest.mark.parametrize("figure", [0.3, 0.6])
+def test_what_stays_bent_ends_at_the_figure_that_was_judged(figure):
+    """Also where the vertices miss what the tetrahedras' volume has; of a part that gives way its last shape is shown as it was."""
+    lengths = np.array([0.1, 0.2, 0.5, 0.4])
+    ends = judged(lengths, row(figure))
+    assert (ends.max(), ends[:2].tolist()) == (np.float32(figure), lengths[:2].astype(np.float32).tolist())
+    assert ends.argmax() == 2
+    assert np.array_equal(judged(lengths, row(figure, outcome="FAILS", collapses=True)), lengths.astype(np.float32))
+    assert not judged(np.zeros(4), row(figure)).any()
+
+
+def test_the_most_bent_vertex_is_the_one_nearest_to_the_place_judged():
+    bend = np.zeros((1, COUNT, 3), np.float32)
+    bend[0, :, 2] = np.linspace(0.0, 0.6, COUNT)
+    vertices = np.column_stack([np.arange(COUNT), np.zeros((COUNT, 2))])
+    tested = simulation(landings=(landing(),), landing_set=bend, landing_stress=np.zeros((1, COUNT)), landing_strain=np.zeros((1, COUNT)))
+    found = most_bent(vertices, row(0.35, where=(3.0, 0.0, 0.0)), tested)
+    assert found == 4, "3 is nearer, but less is left of its bend"
 
 
 def test_what_stays_bent_is_in_mm_against_what_is_allowed_however_far_a_part_gives_way():

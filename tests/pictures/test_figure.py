@@ -1,13 +1,9 @@
-import io
-import sys
 from dataclasses import replace
 
-import matplotlib.image
 import numpy as np
 import pytest
 
-from mechstyle.errors import BadInput
-from mechstyle.pictures.figure import Panel, figure, figure_png
+from mechstyle.pictures.figure import Panel, figure
 
 SMALL = {"panel_size": (140, 120)}
 
@@ -30,21 +26,6 @@ def test_panels_of_one_field_share_a_bar_that_names_unit_and_limit(ball):
     assert len(bars(sheet)) == 1
     assert bars(sheet)[0].get_xlim() == pytest.approx((0.0, 90.0))
     assert {"a", "b", "both", "von Mises stress [MPa]", "limit 45.6"} <= set(words(sheet))
-
-
-def test_different_fields_have_bars_of_their_own_and_plain_panels_none(ball):
-    stressed = Panel(ball, "s", stress(ball, 9.0), "MPa", "stress")
-    panels = [Panel(ball, "plain"), stressed, Panel(ball, "m", stress(ball, 1.0), "", "mask", (0.0, 1.0))]
-    sheet = figure(panels, **SMALL)
-    assert [axes.texts[0].get_text() for axes in bars(sheet)] == ["stress [MPa]", "mask"]
-    assert not bars(figure(panels[:1], **SMALL))
-
-
-def test_a_bar_always_reaches_past_the_limit(ball):
-    sheet = figure([Panel(ball, "calm", stress(ball, 3.0), "MPa", "stress", threshold=45.6)], **SMALL)
-    low, high = bars(sheet)[0].get_xlim()
-    assert low == 0.0
-    assert 45.6 < high < 50.0
 
 
 def test_the_greatest_value_is_marked_and_said_where_it_is_hidden(ball):
@@ -70,11 +51,6 @@ def _mirrored(ball):
     return np.array([np.linalg.norm(ball.vertices - spot, axis=1).argmin() for spot in flipped])
 
 
-@pytest.mark.parametrize("values", [np.full(8, np.nan), np.zeros(8), np.full(8, -2.0)])
-def test_a_field_without_extent_is_drawn(block, values):
-    assert figure([Panel(block, "flat", values, "MPa", "stress")], **SMALL)
-
-
 def test_parts_of_one_place_and_size_share_a_camera_so_that_growth_shows(block):
     grown = block.moved(block.vertices * 1.05)
     far = block.moved(block.vertices * 2)
@@ -82,12 +58,6 @@ def test_parts_of_one_place_and_size_share_a_camera_so_that_growth_shows(block):
     dark = [(picture.min(axis=2) < 200).mean() for picture in pictures]
     assert dark[1] > 1.05 * dark[0]
     assert dark[2] == pytest.approx(dark[1], rel=0.02)  # alone in its box: fitted by itself
-
-
-def test_the_sheet_has_the_size_its_panels_ask_for(block):
-    picture = matplotlib.image.imread(io.BytesIO(figure_png([Panel(block, str(k)) for k in range(5)], columns=2, **SMALL)))
-    assert picture.shape[1] == 2 * 140 + 14 + 2 * 18
-    assert picture.shape[0] > 3 * 120
 
 
 def test_pictures_are_drawn_pixel_by_pixel(block):
@@ -100,27 +70,6 @@ def test_pictures_are_drawn_pixel_by_pixel(block):
     assert (drawn[top : top + 120, left : left + 140] == picture).all()
 
 
-def test_equal_panels_give_equal_bytes_and_no_global_state(block):
-    panels = [Panel(block, "x", stress(block, 5.0), "MPa", "stress", note="a note")]
-    assert figure_png(panels, **SMALL) == figure_png(panels, **SMALL)
-    assert "matplotlib.pyplot" not in sys.modules or not sys.modules["matplotlib.pyplot"].get_fignums()
-
-
-def test_long_words_are_shortened_to_the_panel(block):
-    sheet = figure([Panel(block, "word " * 40, note="note " * 60)], **SMALL)
-    renderer = sheet.canvas.get_renderer()
-    for text in sheet.axes[0].texts:
-        assert text.get_window_extent(renderer).width < 140 + 18
-
-
-def test_wide_letters_and_words_that_cannot_be_cut_stay_in_the_panel_too(block):
-    sheet = figure([Panel(block, "MW " * 13, note="MW" * 30)], **SMALL)
-    renderer = sheet.canvas.get_renderer()
-    for text in sheet.axes[0].texts:
-        assert text.get_text()
-        assert text.get_window_extent(renderer).width <= 140
-
-
 @pytest.mark.parametrize("apart", [1, 2, 5])
 def test_words_at_the_greatest_and_least_value_do_not_cover_each_other(ball, apart):
     values = np.full(len(ball.vertices), 10.0)
@@ -130,12 +79,3 @@ def test_words_at_the_greatest_and_least_value_do_not_cover_each_other(ball, apa
     renderer = sheet.canvas.get_renderer()
     one, other = [text.get_window_extent(renderer) for text in sheet.axes[0].texts if text.get_text().startswith(("max", "min"))]
     assert not one.overlaps(other)
-
-
-def test_bad_requests_are_refused(block):
-    with pytest.raises(BadInput, match="at least one panel"):
-        figure([])
-    with pytest.raises(BadInput, match="unknown view 'behind'"):
-        figure([Panel(block, view="behind")])
-    with pytest.raises(BadInput, match="one value for each of the 8 vertices"):
-        figure_png([Panel(block, values=np.zeros(3))], **SMALL)

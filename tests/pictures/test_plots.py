@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from matplotlib.image import imread
 
-from mechstyle.errors import BadInput
 from mechstyle.pictures.plots import Curve, Plot, plots_png
 
 TIME = np.linspace(0.0, 1.5, 40)
@@ -31,15 +30,3 @@ def test_plots_stand_above_each_other_and_are_repeatable():
 def test_limit_mark_and_words_are_drawn(more):
     marked = Plot(STRESS.title, STRESS.unit, STRESS.curves, **more)
     assert plots_png([marked], x_label="t") != plots_png([STRESS], x_label="t")
-
-
-def test_a_long_note_is_broken_into_lines_within_the_picture():
-    note = "word " * 60
-    border = pixels(STRESS, note=note)[:, -6:, :3]
-    assert np.ptp(border.reshape(-1, 3), axis=0).max() == 0.0
-    assert not np.array_equal(pixels(STRESS, note=note), pixels(STRESS, note="word"))
-
-
-def test_no_plots_are_refused():
-    with pytest.raises(BadInput, match="at least one plot"):
-        plots_png([], x_label="t")

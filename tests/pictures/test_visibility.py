@@ -2,7 +2,6 @@ import numpy as np
 import pytest
 from scipy.spatial import Delaunay
 
-from mechstyle.errors import BadInput, MissingPiece
 from mechstyle.pictures.camera import Camera
 from mechstyle.pictures.visibility import visible
 
@@ -47,6 +46,19 @@ def test_perspective_correct_weights_halve_a_receding_edge_where_space_does():
     assert depth == pytest.approx(1.0 + 2.0 * apex, rel=1e-5)
 
 
+@pytest.mark.parametrize(("width", "height"), [(12, 31), (31, 12)])
+def test_in_tall_and_wide_pictures_each_pixel_shows_the_place_it_lies_on(width, height):
+    frame = np.array([(-1.1, -1.1), (1.1, -1.1), (1.1, 1.1), (-1.1, 1.1)])
+    faces = np.array([(0, 1, 2), (0, 2, 3)])
+    views = np.stack([flat(frame), flat(frame + 0.05)])
+    seen = visible(views, faces, width, height)
+    across, up = (np.arange(width) + 0.5) / width * 2.0 - 1.0, 1.0 - (np.arange(height) + 0.5) / height * 2.0
+    for view, points in enumerate(views):
+        places = np.einsum("rck,rckx->rcx", seen.barycentrics[view], points[faces[seen.face[view]]])
+        np.testing.assert_allclose(places[..., 0], np.broadcast_to(across, (height, width)), atol=1e-3)
+        np.testing.assert_allclose(places[..., 1], np.broadcast_to(up[:, None], (height, width)), atol=1e-3)
+
+
 def test_the_nearest_face_wins_and_ties_go_to_the_first():
     corners = [(-2, -2), (2, -2), (0, 4)]
     points = np.vstack([flat(np.array(corners, float), depth) for depth in (2.0, 1.5, 1.5)])
@@ -55,44 +67,8 @@ def test_the_nearest_face_wins_and_ties_go_to_the_first():
     assert (visible(points, faces[[0]], 16, 16).face == 0).all()
 
 
-def test_back_faces_are_drawn_unless_culled():
-    points = flat(np.array([(-2, -2), (2, -2), (0, 4)], float))
-    behind = [[0, 2, 1]]
-    assert (visible(points, behind, 8, 8).face == 0).all()
-    assert (visible(points, behind, 8, 8, cull=True).face == -1).all()
-    assert (visible(points, [[0, 1, 2]], 8, 8, cull=True).face == 0).all()
-
-
 @pytest.mark.parametrize("depth", [0.0, -1.0, np.nan])
 def test_a_face_with_a_corner_behind_the_viewer_is_left_out(depth):
     points = flat(np.array([(-2, -2), (2, -2), (0, 4)], float))
     points[1, 2] = depth
     assert (visible(points, [[0, 1, 2]], 8, 8).face == -1).all()
-
-
-def test_several_views_at_once_are_the_views_one_by_one(sphere):
-    cameras = [Camera.named(view, sphere.vertices) for view in ("front", "top", "below")]
-    together = visible(np.stack([camera.project(sphere.vertices) for camera in cameras]), sphere.faces, 60, 40)
-    assert together.face.shape == (3, 40, 60)
-    for index, camera in enumerate(cameras):
-        alone = visible(camera.project(sphere.vertices), sphere.faces, 60, 40)
-        assert (together.face[index] == alone.face).all()
-        assert together.depth[index] == pytest.approx(alone.depth, rel=1e-6)
-
-
-@pytest.mark.parametrize(
-    ("points", "faces", "width", "words"),
-    [
-        (np.zeros((3, 3)), [[0, 1, 2]], 0, "0 x 8 pixels"),
-        (np.zeros((3, 2)), [[0, 1, 2]], 8, r"not \(3, 2\)"),
-        (np.zeros((3, 3)), [[0, 1, 3]], 8, "index the 3 points"),
-    ],
-)
-def test_what_cannot_be_drawn_is_refused(points, faces, width, words):
-    with pytest.raises(BadInput, match=words):
-        visible(points, faces, width, 8)
-
-
-def test_a_device_that_is_not_there_is_named():
-    with pytest.raises(MissingPiece, match="'cuda:99', which is not there"):
-        visible(np.zeros((3, 3)), [[0, 1, 2]], 8, 8, device="cuda:99")

@@ -15,7 +15,7 @@ from mechstyle.records import Doubt, Simulation, Verdict, judge
 from mechstyle.records.load_cases import Load, LoadCase, Support
 from mechstyle.records.material import LIBRARY
 from mechstyle.records.simulation import LEAST_GROUNDED, LIKE_ASKED, THICKER, VOLUME_ERROR
-from mechstyle.records.verdict import LITERAL_REPEATS, MEASURE, MORE_THAN_PLAIN, OLDER, REPEATS, REPEATS_SHARE
+from mechstyle.records.verdict import LITERAL_REPEATS, MEASURE, MORE_THAN_PLAIN, OLDER, REPEATS, REPEATS_SHARE, SMEARED
 from support.records import STRENGTH, TOLERANCE, landing, load_result, load_row, recipe, row, verdict
 
 BREAKS = LIBRARY["PLA"].elongation
@@ -256,6 +256,16 @@ def test_a_test_closer_to_its_limit_than_it_repeats_leaves_a_doubt(allowed, side
         assert judged.doubts == (() if sure else (Doubt(about="limit", test="flat", landing="flat", value=judged.deciding.used),))
         strain = BREAKS * (1.0 + side * share * REPEATS_SHARE)
         assert judge(a_part({"flat": (0.0, strain)}), None, asked()).sure is sure
+
+
+@pytest.mark.parametrize(
+    ("share", "outcome", "sure"), [(0.99, "HOLDS", True), (1.01, "HOLDS", False), (1.01 * SMEARED * 1.2, "FAILS", True)]
+)
+def test_a_print_that_holds_is_sure_only_where_it_would_with_its_infill_meshed_sheet_by_sheet(share, outcome, sure):
+    solid = a_part({"flat": share * TOLERANCE / SMEARED})
+    judged = judge(replace(solid, plastic_share=0.4), None, asked())
+    assert (judged.outcome, judged.sure) == (outcome, sure)
+    assert judge(solid, None, asked()).sure, "of a solid part nothing is smeared out"
 
 
 @pytest.mark.parametrize(("carries", "sure"), [(0.88, True), (0.92, False), (1.08, False), (1.12, True)])

@@ -8,7 +8,7 @@ import pytest
 
 from mechstyle.errors import BadInput
 from mechstyle.runs.folders import folder_for
-from mechstyle.runs.run import begin
+from mechstyle.runs.run import Draft
 from mechstyle.simulation.part import fitted
 from support.lanes import lane_on_a_sheet
 
@@ -35,12 +35,12 @@ def test_a_free_folder_and_the_very_run_are_taken_as_they_are(run, tmp_path, cap
 def test_another_run_goes_beside_the_one_that_is_there_and_is_found_there_again(run, caplog):
     root, part = run.store.root, run.part
     recipes = [fitted(other(run.recipe, seed), part) for seed in (7, 8)]
-    first, second = (begin(part, recipe, root, device="cpu") for recipe in recipes)
+    first, second = (Draft(recipe, part, folder=root, device="cpu").begin() for recipe in recipes)
     assert [one.store.root.name for one in (first, second)] == ["run-2", "run-3"]
     assert [record.message for record in caplog.records] == [
         f"{root} holds a run with other settings: this one is in {root}-{number}" for number in (2, 3)
     ]
-    assert begin(part, recipes[1], root, device="cpu").store.root == second.store.root
+    assert Draft(recipes[1], part, folder=root, device="cpu").begin().store.root == second.store.root
     assert run.recipe.style.seed == 0
 
 

@@ -10,7 +10,7 @@ from PIL import Image
 
 from mechstyle.errors import BadInput, DamagedStore
 from mechstyle.runs.images import digest_of, file_name, raster_of, remember
-from mechstyle.runs.recipes import changed, draft
+from mechstyle.runs.recipes import changed, recipe_for
 from mechstyle.runs.report.reproduce import command_for
 from mechstyle.runs.run import Run, stylize
 from support.knob import knob
@@ -45,11 +45,11 @@ def elsewhere(tmp_path_factory) -> Run:
 
 
 def test_a_recipe_names_the_pixels_not_the_file(picture):
-    recipe = draft(image=picture)
+    recipe = recipe_for(image=picture)
     assert recipe.style.prompt == "picture"
     assert recipe.style.image == digest_of(SHADES) == digest_of(picture.read_bytes()) == digest_of(recipe.style.image)
     assert np.isclose(raster_of(recipe).aspect, 1.0)
-    assert draft("brick").style.image == ""
+    assert recipe_for("brick").style.image == ""
     assert changed(recipe, {"image": "", "prompt": "brick"}).style.image == ""
 
 
@@ -76,7 +76,7 @@ def test_the_command_that_makes_it_again_names_that_file(elsewhere):
 
 def test_another_run_with_its_picture_can_be_asked_for_where_it_was_opened(elsewhere):
     remember(elsewhere.recipe, elsewhere.store)
-    again = draft(image=elsewhere.recipe.style.image, projection="around")
+    again = recipe_for(image=elsewhere.recipe.style.image, projection="around")
     assert raster_of(again).aspect == 1.0
 
 
@@ -96,7 +96,7 @@ def test_another_run_with_its_picture_can_be_asked_for_where_it_was_opened(elsew
 )
 def test_what_cannot_be_is_refused_before_anything_is_done(settings, why):
     with pytest.raises((BadInput, DamagedStore), match=why):
-        draft(**settings)
+        recipe_for(**settings)
 
 
 @pytest.mark.parametrize(

@@ -1,5 +1,7 @@
 """Ways up to print a part: ranked by what layers bear, dropped no more often than it takes."""
 
+import re
+
 import msgspec
 import numpy as np
 import pytest
@@ -8,6 +10,7 @@ from mechstyle.errors import BadInput
 from mechstyle.records import judge
 from mechstyle.records.material import LIBRARY
 from mechstyle.runs.orient import WayUp, ways_up
+from support import ROOT
 from support.kills import on_a_block
 
 
@@ -44,6 +47,16 @@ def test_what_uses_little_of_what_is_allowed_is_chosen_by_overhang():
         for name, used, over in (("safest", 0.1, 90.0), ("easiest", 0.3, 10.0), ("bent", 1.4, 0.0))
     ]
     assert [way.name for way in sorted(ways, key=lambda way: way.rank)] == ["easiest", "safest", "bent"]
+
+
+def test_the_page_on_printing_says_up_to_which_share_ways_up_count_as_alike():
+    page = (ROOT / "docs" / "printing.md").read_text(encoding="utf-8")
+    share = 0.01 * float(re.search(r"use less than (\d+) % of what may stay bent count as alike, above it those in one tenth", page)[1])
+    used = (0.0, share - 0.01, share + 0.01, share + 0.09, share + 0.11)
+    least, most, above, beside, beyond = (
+        WayUp(name="", up=(0.0, 0.0, 1.0), permanent_set=0.1, used=one, overhang=0.0, height=1.0, base=1.0).rank for one in used
+    )
+    assert least == most < above == beside < beyond
 
 
 @pytest.mark.parametrize(("ratio", "bend"), [(None, None), (1.0, "as it was")])

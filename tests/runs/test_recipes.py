@@ -9,7 +9,7 @@ from mechstyle.records import CONTROLS, POSES, Recipe
 from mechstyle.records.load_cases import Load, LoadCase, Support
 from mechstyle.records.material import LIBRARY, Material
 from mechstyle.records.regions import HalfSpace, Inside
-from mechstyle.runs.recipes import PAPER, brought, changed, check_settings, draft, expected, idle, plan, typed
+from mechstyle.runs.recipes import PAPER, brought, changed, check_settings, expected, idle, plan, recipe_for, typed
 
 WITHOUT_OUR_ADDITIONS = {"base": "free", "guarantee": False}
 
@@ -76,7 +76,7 @@ def test_what_the_published_method_leaves_of_a_style_is_told_beforehand(part, se
     ],
 )
 def test_settings_that_do_nothing_beside_the_others_are_named(given, told):
-    assert list(idle(given, draft("brick", **given))) == told
+    assert list(idle(given, recipe_for("brick", **given))) == told
 
 
 def test_freestyle_under_the_paper_criterion_is_both(part):
@@ -290,25 +290,25 @@ def test_regions_in_words_and_as_records_are_one_recipe(part):
 
 @pytest.mark.parametrize(("poses", "drops"), POSES.items())
 def test_poses_bring_their_number_of_drops_unless_told(poses, drops):
-    assert draft("brick", poses=poses).test.orientations == drops
-    assert draft("brick", poses=poses, orientations=3).test.orientations == 3
-    assert changed(draft("brick", orientations=3), {"poses": poses}).test.orientations == drops
+    assert recipe_for("brick", poses=poses).test.orientations == drops
+    assert recipe_for("brick", poses=poses, orientations=3).test.orientations == 3
+    assert changed(recipe_for("brick", orientations=3), {"poses": poses}).test.orientations == drops
     with pytest.raises(BadInput, match="unknown poses 'rest': did you mean 'resting'"):
-        draft("brick", poses="rest")
+        recipe_for("brick", poses="rest")
 
 
 @pytest.mark.parametrize("given", ["z", "+Z", "0,0,1", "[0, 0, 1]", (0, 0, 1), np.array([0.0, 0.0, 1.0])])
 def test_a_build_direction_is_an_axis_or_a_vector(given):
-    recipe = draft("brick", build_direction=given)
+    recipe = recipe_for("brick", build_direction=given)
     assert recipe.test.build_direction == (0.0, 0.0, 1.0)
     assert recipe.test.across_layers == pytest.approx((0.0, 0.0, 1.0 / 0.55))
-    assert recipe.digest == draft("brick", build_direction="z").digest
+    assert recipe.digest == recipe_for("brick", build_direction="z").digest
     assert "(0, 0, 1) are judged with 0.55 of the strength across them (0.50 and 0.53 in two Polymaker" in recipe.test.layers_judged
 
 
 def test_without_a_build_direction_layers_are_not_judged():
-    assert draft("brick").test.across_layers == (0.0, 0.0, 0.0)
-    assert draft("brick", "ABS").test.layers_judged == ""
+    assert recipe_for("brick").test.across_layers == (0.0, 0.0, 0.0)
+    assert recipe_for("brick", "ABS").test.layers_judged == ""
 
 
 @pytest.mark.parametrize(
@@ -323,11 +323,11 @@ def test_without_a_build_direction_layers_are_not_judged():
 )
 def test_a_build_direction_that_cannot_be_judged_is_refused(given, material, words):
     with pytest.raises(BadInput, match=words):
-        draft("brick", material, build_direction=given)
+        recipe_for("brick", material, build_direction=given)
 
 
 def test_a_standard_brings_its_landings_to_a_draft_and_to_a_branch():
-    recipe = draft("brick", standard="mil-810h")
+    recipe = recipe_for("brick", standard="mil-810h")
     assert (recipe.test.standard, recipe.test.poses, recipe.test.orientations, recipe.test.height) == ("mil-810h", "box26", 27, 1220.0)
     other = changed(recipe, {"standard": "astm-f963"})
     assert (other.test.poses, other.test.orientations, other.test.height) == ("fibonacci", 10, 1372.0)
@@ -338,11 +338,11 @@ def test_a_standard_brings_its_landings_to_a_draft_and_to_a_branch():
 
 
 def test_a_height_is_read_with_its_unit_wherever_settings_come_in():
-    assert draft("brick", height="1,2 m").test.height == 1200.0
-    assert changed(draft("brick"), {"height": "4 cm"}).test.height == 40.0
+    assert recipe_for("brick", height="1,2 m").test.height == 1200.0
+    assert changed(recipe_for("brick"), {"height": "4 cm"}).test.height == 40.0
     assert brought({"height": "2 m"}, "exponential") == {"height": 2000.0}
-    assert draft("brick", **dict([typed("height=80 cm")])).test.height == 800.0
-    assert draft("brick", **dict([typed("height=4 cm")])).test.height == 40.0, "its unit is not lost on the way"
+    assert recipe_for("brick", **dict([typed("height=80 cm")])).test.height == 800.0
+    assert recipe_for("brick", **dict([typed("height=4 cm")])).test.height == 40.0, "its unit is not lost on the way"
 
 
 def test_a_height_set_by_name_is_asked_about_at_once():
@@ -351,7 +351,7 @@ def test_a_height_set_by_name_is_asked_about_at_once():
 
 
 def test_the_height_of_a_standard_is_left_where_another_is_written():
-    assert draft("brick", standard="mil-810h", height="1 m").test.height == 1000.0
+    assert recipe_for("brick", standard="mil-810h", height="1 m").test.height == 1000.0
 
 
 # --- depths ---------------------------------------------------------------------------------------------------------

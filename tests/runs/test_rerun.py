@@ -39,6 +39,7 @@ def no_meshing(*_args, **_options):
     pytest.fail("fTetWild gives another mesh every time: a run folder must hold all of its tetrahedra")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("lane", ["main", "soft"])
 def test_a_run_repeats_to_the_same_bytes_where_nothing_is_remembered(block, elsewhere, monkeypatch, tmp_path, lane):
     monkeypatch.setattr("mechstyle.geometry.remeshing.filling.tetwild", no_meshing)
@@ -50,6 +51,7 @@ def test_a_run_repeats_to_the_same_bytes_where_nothing_is_remembered(block, else
     assert Run(block.store, lane).history[-1].digest == Run.open(tmp_path / "again", "cpu").history[-1].digest
 
 
+@pytest.mark.slow
 def test_gc_takes_nothing_from_a_run_that_is_being_repeated(block, elsewhere, monkeypatch, tmp_path):
     """The recipe of a branch is stored before the lane is moved to it."""
     move = Store.move
@@ -63,6 +65,7 @@ def test_gc_takes_nothing_from_a_run_that_is_being_repeated(block, elsewhere, mo
     assert rerun(Run(block.store, "soft"), tmp_path / "again").same_bytes
 
 
+@pytest.mark.slow
 def test_a_run_that_goes_on_on_another_machine_keeps_the_tetrahedra_it_was_compared_on(block, elsewhere, monkeypatch):
     """The unstylized part has tetrahedra of its own: they were in the cache of one machine only, and peaks moved by some percent."""
     monkeypatch.setattr("mechstyle.geometry.remeshing.filling.tetwild", no_meshing)
@@ -117,6 +120,7 @@ def test_where_it_differs_is_said():
     assert not compared(broken, before, "").equal
 
 
+@pytest.mark.slow
 def test_a_forged_figure_is_found_out(block, tmp_path, capsys):
     """A head that claims another bend than its recipe comes to."""
     store = block.store

@@ -1,14 +1,17 @@
 """A run begun: what it was begun with is in its record, whoever began it."""
 
+from dataclasses import replace
+
 import pytest
 
 import mechstyle as ms
 from mechstyle.errors import BadInput
 from mechstyle.geometry.files import save
 from mechstyle.records.mesh import SurfaceMesh
-from mechstyle.runs.recipes import draft
+from mechstyle.runs import run as module
+from mechstyle.runs.recipes import recipe_for
 from mechstyle.runs.report.reproduce import command_for
-from mechstyle.runs.run import Run, started, stylize
+from mechstyle.runs.run import Draft, Run, stylize
 from mechstyle.simulation.part import Origin, prepare
 from support.knob import knob
 from support.lanes import lane_on_a_sheet
@@ -26,7 +29,7 @@ def asked(tmp_path, monkeypatch):
         stage("filling it with tetrahedra")
         return part
 
-    monkeypatch.setitem(started.__kwdefaults__, "prepare", prepared)
+    monkeypatch.setitem(Draft.ready.__kwdefaults__, "prepare", prepared)
     return asked
 
 
@@ -61,8 +64,15 @@ def test_a_surface_that_was_changed_since_is_not_said_to_be_that_of_the_file(ask
 
 def test_a_part_at_hand_is_run_on_the_tetrahedra_that_it_came_with(tmp_path):
     """A second run filled it anew, and the part without a style survived another fall from then on."""
-    brick, stone = (draft(prompt, feature=9.0) for prompt in ("brick", "stone"))
-    first = started(brick, prepare(knob()), out=tmp_path / "first")
+    brick, stone = (recipe_for(prompt, feature=9.0) for prompt in ("brick", "stone"))
+    first = Draft(brick, prepare(knob()), folder=tmp_path / "first").ready().begin()
     parts = knob(), first.part, Run.open(first.store.root).part
-    later = [started(stone, part, out=tmp_path / f"later-{number}") for number, part in enumerate(parts)]
+    later = [Draft(stone, part, folder=tmp_path / f"later-{number}").ready().begin() for number, part in enumerate(parts)]
     assert {run.recipe.test.specimen.tetrahedra for run in (first, *later)} == {knob().tets.digest}
+
+
+def test_what_was_thickened_before_is_not_thickened_again(tmp_path, monkeypatch):
+    """The Studio hands the part of one run on to the next, with another style."""
+    thicker = replace(lane_on_a_sheet(tmp_path / "prepared", iterations=1).part, mass_gained=2.0)
+    monkeypatch.setattr(module, "refilled", lambda given, *_: given)
+    assert Draft(recipe_for("brick", strengthen=2.0), thicker, device="cpu").ready(prepare=pytest.fail).part is thicker

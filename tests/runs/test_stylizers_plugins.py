@@ -16,7 +16,7 @@ from mechstyle.loop.engine import Bounds
 from mechstyle.records import Recipe
 from mechstyle.records.material import LIBRARY
 from mechstyle.runs import stylizers
-from mechstyle.runs.recipes import changed, draft
+from mechstyle.runs.recipes import changed, recipe_for
 from mechstyle.runs.run import Run
 from mechstyle.styling.drawn import ProceduralStylizer, Target
 from support import ROOT
@@ -57,18 +57,18 @@ def test_an_installed_package_offers_its_stylizer(monkeypatch):
 
 
 def test_a_function_given_itself_is_registered_by_its_name():
-    assert draft("whatever it reads", stylizer=flat).style.stylizer == "flat"
+    assert recipe_for("whatever it reads", stylizer=flat).style.stylizer == "flat"
     assert stylizers.known_stylizers() == ("flat",)
 
 
 def test_the_built_in_styles_have_no_name_and_still_read_the_prompt():
-    assert draft("brick").style.stylizer == ""
+    assert recipe_for("brick").style.stylizer == ""
     with pytest.raises(BadInput, match="no style"):
-        draft("whatever it reads", stylizer="")
+        recipe_for("whatever it reads", stylizer="")
 
 
 def test_a_branch_to_the_built_in_styles_reads_its_prompt_again():
-    mine = draft("whatever it reads", stylizer=flat)
+    mine = recipe_for("whatever it reads", stylizer=flat)
     assert changed(mine, {"prompt": "something else"}).style.prompt == "something else"
     with pytest.raises(BadInput, match="names no style"):
         changed(mine, {"prompt": "something else", "stylizer": ""})
@@ -76,7 +76,7 @@ def test_a_branch_to_the_built_in_styles_reads_its_prompt_again():
 
 def test_a_stylizer_that_is_not_here_is_refused_with_what_to_do():
     with pytest.raises(BadInput, match=r"the stylizer 'picture' is not here: .*docs/plug-in\.md"):
-        draft("brick", stylizer="picture")
+        recipe_for("brick", stylizer="picture")
 
 
 def test_a_name_that_cannot_be_one_is_refused():

@@ -2,12 +2,12 @@
 
 import pytest
 
-from mechstyle.runs.recipes import draft
+from mechstyle.runs.recipes import recipe_for
 from mechstyle.simulation.estimate import NEARLY_FLAT, SECONDS_PER_STEP, STEP, Estimate, estimated, plan_of, seconds_of_a_fall
 
 
 def of(vertices=4000, cores=2, fall=None, **settings):
-    return estimated(draft("brick", **settings), vertices, cores=cores, fall=fall)
+    return estimated(recipe_for("brick", **settings), vertices, cores=cores, fall=fall)
 
 
 def test_plain_part_finished_relief_and_a_correction_fall_in_all_landings():
@@ -18,7 +18,7 @@ def test_plain_part_finished_relief_and_a_correction_fall_in_all_landings():
 
 
 def test_on_the_way_it_falls_in_the_landings_that_steer():
-    planned = plan_of(draft("brick", schedule="stress").settings)
+    planned = plan_of(recipe_for("brick", schedule="stress").settings)
     assert not planned.certain
     assert 1 < len(planned.places) < 12
     assert of(schedule="stress").falls == of().falls + (len(planned.places) - 1) * 3

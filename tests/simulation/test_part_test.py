@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import meshio
+import msgspec
 import numpy as np
 import pytest
 
@@ -140,11 +141,13 @@ def test_it_is_remembered_with_its_history(drop_it, found, monkeypatch):
 
 def test_the_picture_is_of_the_worst_test_and_shows_what_stays_bent(drop_it, monkeypatch):
     """Its caption told what the verdict compared, under a picture of something else."""
-    panels, bent = [], drop_it(height="20 m")
+    pictures, titles, bent = [], [], drop_it(height="20 m")
     with monkeypatch.context() as patch:
-        patch.setattr(module, "picture", lambda shown, **_: panels.extend(shown))
+        patch.setattr(module, "picture", lambda shown, *, title, **_: (pictures.append(shown), titles.append(title)))
         bent.show()
-    worst = bent.verdict.deciding
+        replace(bent, verdict=msgspec.structs.replace(bent.verdict, doubts=("Not sure: the mesh.",))).show()
+    assert titles == [bent.verdict.short, f"{bent.verdict.short} (not sure)"]
+    worst, panels = bent.verdict.deciding, pictures[0]
     assert [panel.title.partition(", drawn × ")[0] for panel in panels] == ["stress", "from the front", "from below", "what stays bent"]
     assert panels[0].note.startswith(f"{worst.landing}: ")
     assert panels[0].note.endswith("% of the surface yields")

@@ -1,7 +1,6 @@
 """Thickening: where it yields and nowhere else, within the budget, and told in grams and mm. The bend is a known function of walls."""
 
 import re
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,10 +11,10 @@ from mechstyle.gallery import make
 from mechstyle.geometry.region_selection import selected
 from mechstyle.records.material import LIBRARY
 from mechstyle.records.regions import region
-from mechstyle.runs.recipes import changed, draft
+from mechstyle.runs.recipes import changed, recipe_for
 from mechstyle.simulation import strengthen as module
 from mechstyle.simulation.part import Workpiece, standardised
-from mechstyle.simulation.strengthen import made_ready, strengthened
+from mechstyle.simulation.strengthen import strengthened
 from support.lanes import CORNER
 from support.records import landing, simulation
 
@@ -56,7 +55,7 @@ def bent(monkeypatch):
 
 
 def strengthen(part, budget, **settings):
-    return strengthened(part, draft("brick", strengthen=budget, **settings), device=resolve_device("cpu"))
+    return strengthened(part, recipe_for("brick", strengthen=budget, **settings), device=resolve_device("cpu"))
 
 
 def test_what_does_not_hold_is_thickened_until_it_does(bent, part):
@@ -120,9 +119,9 @@ def test_what_holds_stays_as_it_is(bent, part):
 
 def test_a_budget_is_a_length_and_a_branch_has_none():
     with pytest.raises(BadInput, match="strengthen is 30"):
-        draft("brick", strengthen=30.0)
+        recipe_for("brick", strengthen=30.0)
     with pytest.raises(BadInput, match="before its style"):
-        changed(draft("brick"), {"strengthen": 1.0})
+        changed(recipe_for("brick"), {"strengthen": 1.0})
 
 
 def test_whoever_no_longer_waits_ends_it_in_a_drop_as_before_one(monkeypatch, part):
@@ -145,16 +144,8 @@ def test_whoever_no_longer_waits_ends_it_in_a_drop_as_before_one(monkeypatch, pa
 
     monkeypatch.setattr(module, "DropSimulator", Asking)
     with pytest.raises(InterruptedError):
-        strengthened(part, draft("brick", strengthen=2.0), device="cpu", go_on=go_on)
+        strengthened(part, recipe_for("brick", strengthen=2.0), device="cpu", go_on=go_on)
     assert len(asked) == 2
-
-
-def test_what_was_thickened_before_is_not_thickened_again(bent, part):
-    """The Studio hands the part of one run on to the next, with another style."""
-    thicker = replace(part, mass_gained=2.0, notes=("it was thickened",))
-    bent.setattr(module, "refilled", lambda given, *_: given)
-    recipe = draft("brick", strengthen=2.0)
-    assert made_ready(thicker, recipe, None, prepare=pytest.fail, vertices=1500, device="cpu", stage=lambda _: None) is thicker
 
 
 def test_a_part_is_prepared_by_what_the_caller_prepares_with(bent, part):
@@ -166,5 +157,5 @@ def test_a_part_is_prepared_by_what_the_caller_prepares_with(bent, part):
         go_on()
         return part
 
-    strengthened(make("cable_winder"), draft("brick", strengthen=2.0), vertices=1500, device="cpu", prepare=prepared)
+    strengthened(make("cable_winder"), recipe_for("brick", strengthen=2.0), vertices=1500, device="cpu", prepare=prepared)
     assert asked == [1500]

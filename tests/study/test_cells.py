@@ -2,7 +2,6 @@
 
 from types import SimpleNamespace
 
-import msgspec
 import numpy as np
 import pytest
 
@@ -10,7 +9,7 @@ from benchmarks.study import cells as module
 from benchmarks.study.cells import Cell, Rows, carry_out, figures_of, one_factor
 from benchmarks.study.walk import walk
 from mechstyle.errors import BadInput
-from mechstyle.runs.recipes import draft
+from mechstyle.runs.recipes import recipe_for
 from support.lanes import lane_on_a_sheet
 from support.records import load_row, row, verdict
 
@@ -18,7 +17,7 @@ RUN = Cell.run
 
 
 def cell(prompt="brick", **changes):
-    return Cell(**{"model": "gallery:wall_hook", "arm": "masks", "recipe": draft(prompt), "vertices": 1000, **changes})
+    return Cell(**{"model": "gallery:wall_hook", "arm": "masks", "recipe": recipe_for(prompt), "vertices": 1000, **changes})
 
 
 @pytest.fixture
@@ -36,7 +35,13 @@ def runs(monkeypatch, tmp_path):
 
 def test_a_cell_is_named_by_all_that_decides_it_and_by_nothing_else():
     assert cell().key == cell(device="cpu", arm="other", folder="there").key
-    different = [cell("stone"), cell(vertices=1001), cell(model="gallery:vase"), cell(recipe=draft("brick", seed=1)), cell(one_factor=True)]
+    different = [
+        cell("stone"),
+        cell(vertices=1001),
+        cell(model="gallery:vase"),
+        cell(recipe=recipe_for("brick", seed=1)),
+        cell(one_factor=True),
+    ]
     assert len({one.key for one in [cell(), *different, cell(load_share=0.85)]}) == 7
 
 
@@ -45,11 +50,6 @@ def test_a_study_that_goes_on_with_a_newer_version_does_not_mix_its_rows_with_ol
     before = cell().key
     monkeypatch.setattr(module, version, "of tomorrow")
     assert cell().key != before
-
-
-def test_a_cell_travels_as_json_without_loss():
-    one = cell(recipe=draft("brick", protect=["inside"], orientations=2))
-    assert msgspec.json.decode(msgspec.json.encode(one), type=Cell) == one
 
 
 def test_what_has_a_row_is_only_read(runs, tmp_path):
@@ -67,12 +67,6 @@ def test_a_row_that_a_killed_writer_broke_is_made_again(runs, tmp_path):
     again = carry_out(cell(), tmp_path)
     assert again.starts == 2
     assert again.outcome == whole.outcome
-
-
-def test_a_part_that_cannot_be_used_is_a_row_with_its_reason(tmp_path):
-    found = carry_out(cell(model=str(tmp_path / "none.stl")), tmp_path)
-    assert found.status == "refused"
-    assert "none.stl" in found.refused
 
 
 def test_what_was_refused_is_tried_again(runs, monkeypatch, tmp_path):
@@ -140,41 +134,6 @@ def test_one_factor_is_the_largest_that_passes_by_sixteenths(passes_up_to, left,
     assert all(one.dtype == np.float32 for one in tried)
 
 
-def test_loads_are_scaled_in_the_study_folder_before_a_run_begins(monkeypatch, tmp_path):
-    asked = {}
-
-    class Begun:
-        def go(self):
-            return "finished"
-
-    def with_loads(recipe, model, vertices, **how):
-        asked.update(how, vertices=vertices, model=model.name)
-        return recipe.with_settings(seed=77)
-
-    monkeypatch.setattr(module, "with_loads", with_loads)
-    monkeypatch.setattr(module, "started", lambda recipe, *_, **__: asked.update(seed=recipe.style.seed) or Begun())
-    cell(load_share=0.85).run(tmp_path)
-    assert asked == {"share": 0.85, "folder": tmp_path / "loads", "vertices": 1000, "model": "wall_hook", "seed": 77}
-    asked.clear()
-    cell().run(tmp_path)
-    assert asked == {"seed": 0}
-
-
-def test_a_run_goes_where_the_cell_says(monkeypatch, tmp_path):
-    asked = {}
-
-    class Begun:
-        def go(self):
-            return "finished"
-
-    monkeypatch.setattr(module, "started", lambda *_, **settings: asked.update(settings) or Begun())
-    assert cell(folder="wall_hook-brick/masks").run(tmp_path) == "finished"
-    assert asked["out"] == tmp_path / "wall_hook-brick" / "masks"
-    cell(arm="stress × frozen").run(tmp_path)
-    assert asked["out"].parent == tmp_path / "runs"
-    assert asked["out"].name.startswith("wall_hook-brick-drop-stress-frozen-")
-
-
 def test_a_row_of_another_measure_is_made_again(runs, tmp_path):
     carry_out(cell(), tmp_path)
     path = Rows(tmp_path).path(cell())
@@ -185,4 +144,4 @@ def test_a_row_of_another_measure_is_made_again(runs, tmp_path):
 
 def test_a_prompt_nobody_knows_is_refused_before_anything_runs():
     with pytest.raises(BadInput):
-        draft("")
+        recipe_for("")

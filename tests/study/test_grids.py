@@ -2,12 +2,9 @@
 
 import pytest
 
-from benchmarks.study.grids import ARMS, STUDIES, STUDY_ARMS, STUDY_CONTROLS, STUDY_SCHEDULES, STYLES, Factors, cells_of
+from benchmarks.study.grids import ARMS, STUDY_CONTROLS, STUDY_SCHEDULES, STYLES, Factors, cells_of
 from mechstyle import gallery
 from mechstyle.errors import BadInput
-from mechstyle.records.recipe import SETTINGS
-from support.part_files import put
-from support.slicer_files import BESIDE, PLATE, mesh, model, package, thing
 
 SMALL = {"models": ["pen_holder", "wall_hook"], "styles": ["brick"], "iterations": 9, "vertices": 1000}
 
@@ -48,12 +45,6 @@ def test_an_ablation_is_every_arm_under_each_condition_and_loads_only_what_carri
         assert [case.name for case in cell.recipe.test.loads] == ["heavy coat"] * (cell.condition == "load")
 
 
-def test_loads_that_are_given_are_those_of_the_condition_load_alone():
-    given = gallery.use_of("gallery:pill_box")
-    cells = cells_of("ablation", Factors(**{**SMALL, "models": ["coaster"]}, settings={"loads": [given]}))
-    assert {(cell.condition, cell.recipe.test.loads) for cell in cells} == {("drop", ()), ("deep", ()), ("load", (given,))}
-
-
 def test_a_load_for_parts_that_carry_nothing_is_refused():
     with pytest.raises(BadInput, match="none of these parts carries a load"):
         cells_of("ablation", Factors(**{**SMALL, "models": ["coaster"]}, conditions=["load"]))
@@ -64,43 +55,3 @@ def test_cells_of_a_part_that_rest_on_the_same_tetrahedra_stand_apart():
     cells = cells_of("ablation", Factors(**{**SMALL, "models": ["wall_hook"], "styles": ["brick", "cactus"]}, conditions=["drop", "deep"]))
     meshed = [(cell.recipe.style.prompt, cell.recipe.restraint.base, cell.recipe.style.amplitude) for cell in cells]
     assert all(len(set(meshed[first : first + 4])) == 4 for first in range(len(meshed) - 3))
-
-
-def test_the_strengthened_arm_differs_from_masks_by_strengthening_alone():
-    assert STUDY_ARMS.keys() - ARMS.keys() == {"strengthened"}
-    assert STUDY_ARMS["strengthened"].settings.items() - ARMS["masks"].settings.items() == {("strengthen", 2.0)}
-    assert all(name in SETTINGS for arm in STUDY_ARMS.values() for name in arm.settings)
-
-
-def test_seeds_and_other_settings_reach_every_recipe():
-    cells = cells_of("formative", Factors(**SMALL, seeds=[0, 7], settings={"orientations": 1}))
-    assert [cell.recipe.style.seed for cell in cells] == [0, 7, 0, 7]
-    assert {cell.recipe.test.orientations for cell in cells} == {1}
-
-
-@pytest.mark.parametrize(
-    ("study", "changes", "words"),
-    [
-        ("formativ", {}, "did you mean 'formative'"),
-        ("formative", {"models": ["penholder"]}, "did you mean 'pen_holder'"),
-        ("formative", {"models": ["vase", "gallery:penholder"]}, "did you mean 'pen_holder'"),
-        *((study, {"models": ["vase", "none.stl"]}, r"none\.stl does not exist") for study in STUDIES),
-        ("evaluation", {"controls": ["frosen"]}, "did you mean 'frozen'"),
-        ("ablation", {"arms": ["statics"]}, "did you mean 'static'"),
-        ("ablation", {"conditions": ["deeper"]}, "did you mean 'deep'"),
-    ],
-)
-def test_what_there_is_not_is_refused_before_anything_runs(study, changes, words):
-    with pytest.raises(BadInput, match=words):
-        cells_of(study, Factors(**{**SMALL, **changes}))
-
-
-def test_bodies_of_one_file_are_parts_of_their_own(tmp_path):
-    both = thing(1, mesh(PLATE)) + thing(2, mesh(BESIDE), 'type="model" name="lid"')
-    path = put(tmp_path, "box.3mf", package(model(both, '<item objectid="1"/><item objectid="2"/>')))
-    wanted = [f"{path}#body=1", f"{path}#body=lid,unit=cm"]
-    cells = cells_of("formative", Factors(**{**SMALL, "models": wanted}))
-    assert [cell.part for cell in cells] == ["box-1", "box-lid"]
-    assert len({cell.key for cell in cells}) == 2
-    with pytest.raises(BadInput, match="choose it with --body"):
-        cells_of("formative", Factors(**{**SMALL, "models": [str(path)]}))

@@ -10,12 +10,11 @@ from PIL import Image
 from scipy import stats
 
 from benchmarks.study import page as module
-from benchmarks.study.cells import Row, Rows, read_table, write_table
-from benchmarks.study.figures import _cell, wilson
+from benchmarks.study.cells import Row, read_table, write_table
+from benchmarks.study.figures import wilson
 from benchmarks.study.grids import CONDITIONS, STUDY_CONTROLS, STUDY_SCHEDULES, STYLES
 from benchmarks.study.page import SLIPS, write_page
 from mechstyle.errors import BadInput
-from mechstyle.records.sentences import EXPLANATION, MEANINGS, bend
 
 
 def study():
@@ -61,19 +60,6 @@ def test_the_page_counts_with_intervals_beside_the_published_figures(page):
     assert "Figures drawn at random." in text
 
 
-def test_no_paragraph_of_the_page_is_long(page):
-    assert [block for block in page[1].split("\n\n") if len(block.split()) > 90 and "|" not in block[:1]] == []
-
-
-def test_a_part_that_was_also_run_coarsely_counts_once_in_the_style_alone(page, tmp_path):
-    """Coarser runs stand beside the ways that were run as coarse."""
-    coarse = [msgspec.structs.replace(row, vertices=2000, recipe=f"{row.recipe}!", outcome="HOLDS") for row in study()[:13]]
-    write_page(study() + coarse, tmp_path / "two.md")
-    counted = [line for line in page[1].splitlines() if line.startswith(("| all", "| passes, freestyle"))]
-    assert len(counted) == 2
-    assert set(counted) <= set((tmp_path / "two.md").read_text().splitlines())
-
-
 def test_the_style_alone_is_counted_where_most_of_it_was_run(tmp_path):
     """An ablation of two parts at 12 000 vertices stood for a formative study of 180."""
     free = [row for row in study() if row.arm == "freestyle"]
@@ -84,26 +70,6 @@ def test_the_style_alone_is_counted_where_most_of_it_was_run(tmp_path):
     assert text.index("How many parts survive") < text.index("Published: 25.55 %") < text.index("## How to read it")
 
 
-def test_what_was_run_is_told_in_words(tmp_path):
-    write_page(study()[:-3], tmp_path / "one.md")
-    text, sure = (tmp_path / "one.md").read_text(), sum(row.sure for row in study()[:-3])
-    assert "60 iterations, 6000 vertices, 9000 tetrahedra, one seed, " in text
-    assert f"Asked for is a fall of 1.5 m. {sure} of 234 outcomes are sure." in text
-    coarse = [msgspec.structs.replace(row, vertices=2000, iterations=40, seed=7, recipe=f"{row.recipe}!") for row in study()[:13]]
-    write_page(study()[:-3] + coarse, tmp_path / "two.md")
-    assert "40 or 60 iterations, 2000 or 6000 vertices, 9000 tetrahedra, 2 seeds, " in (tmp_path / "two.md").read_text()
-
-
-def test_a_number_that_does_not_decide_is_explained_beside_its_figure(page):
-    assert "✗ with a number below the tolerance: it cracks there." in page[1]
-
-
-def test_the_page_says_how_to_read_it_and_what_its_table_measures(page):
-    assert " ".join(EXPLANATION) in " ".join(page[1].split())
-    assert all(f"* **{outcome}**: {meaning}" in page[1] for outcome, meaning in MEANINGS.items())
-    assert "what stays bent in the worst test (columns `permanent_set`, `plain_permanent_set` and `allowed`, in mm)" in page[1]
-
-
 def test_what_each_mechanism_is_worth_is_counted_by_condition(page):
     told = [line for line in page[1].splitlines() if line.startswith(("| drop |", "| load |"))]
     assert [[part.strip() for part in line.split("|")[1:4]] for line in told] == [
@@ -111,33 +77,6 @@ def test_what_each_mechanism_is_worth_is_counted_by_condition(page):
     ]  # fmt: skip
     assert f"* **load**: {CONDITIONS['load'].about}." in page[1]
     assert "**deep**" not in page[1]
-
-
-def test_a_mark_in_the_figure_stands_in_brackets_where_the_outcome_is_not_sure():
-    known = {"part": "a", "prompt": "b", "arm": "c", "permanent_set": 1.234}
-    outcomes = (("HOLDS", True), ("NO WORSE", False), ("UNKNOWN", False))
-    text = [_cell(Row(**known, outcome=outcome, sure=sure))[0] for outcome, sure in outcomes]
-    assert text == ["1.23 ✓", "1.23 (≈)", "1.23 ?"]
-
-
-def test_processor_time_is_that_of_runs_without_a_gpu(page, tmp_path):
-    """On a GPU the processor waits: twice as many runs there, ten times as fast, change nothing."""
-    rows = [msgspec.structs.replace(row, device="cpu") for row in study()]
-    there = [msgspec.structs.replace(row, device="cuda:0", part=f"{row.part} {copy}", cpu_seconds=0.1 * row.cpu_seconds)
-             for row in rows for copy in (2, 3)]  # fmt: skip
-    there[5] = msgspec.structs.replace(there[5], device="cpu", cpu_seconds=1e4)  # a way that was filled in, for it took too long there
-    write_page([*rows, *there], tmp_path / "study.md")
-    alike, both = (told[told.index("## Time") : told.index("## What each")] for told in (page[1], (tmp_path / "study.md").read_text()))
-    assert "says little; of the 216 runs of 648 whose part and style were simulated without a GPU in every way.\n" in both
-    assert both[both.index("|") :] == alike[alike.index("|") :]
-
-
-def test_the_style_alone_is_told_style_by_style(page):
-    told = [row for row in study() if row.arm == "freestyle" and row.prompt == "cactus"]
-    passes, sure = sum(row.passes for row in told), sum(row.sure for row in told)
-    (line,) = [line for line in page[1].splitlines() if line.startswith("| cactus |")]
-    assert line.startswith(f"| cactus | {passes} of 3 ({100 * passes / 3:.1f} %) |")
-    assert line.endswith(f" % | {sure} | {bend(float(np.median([row.permanent_set for row in told])))} | 0.03 mm |")
 
 
 def test_every_figure_is_there_and_is_a_picture(page):
@@ -163,19 +102,6 @@ def test_what_did_not_run_is_told_with_its_reason(tmp_path):
     assert "* box as 'moss', freestyle: refused, it is not closed" in (tmp_path / "study.md").read_text()
     with pytest.raises(BadInput, match="none of these runs is finished"):
         write_page(rows[3:], tmp_path / "none.md")
-
-
-def test_a_folder_of_rows_is_a_table(tmp_path):
-    rows = Rows(tmp_path)
-    rows.folder.joinpath("rows").mkdir()
-    (rows.folder / "rows" / "broken.json").write_text("{")
-    with pytest.raises(BadInput, match="holds no rows"):
-        read_table(tmp_path)
-    with pytest.raises(BadInput, match="does not exist"):
-        read_table(tmp_path / "none")
-    (tmp_path / "other.json").write_text('{"a": 1}')
-    with pytest.raises(BadInput, match="no table of a study"):
-        read_table(tmp_path / "other.json")
 
 
 def test_a_table_of_an_older_measure_is_refused_in_one_sentence(tmp_path):

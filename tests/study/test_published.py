@@ -4,13 +4,11 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from benchmarks.study.cells import Row, meshed, on_floors
+from benchmarks.study.cells import Row, meshed
 from benchmarks.study.grids import FLOORS, MOVED, NAMED, cells_of
 from benchmarks.study.published import PARTS, factors_of, floors_of, games_howell, page, shares, viable, welch
-from mechstyle.errors import BadInput
 from mechstyle.geometry.remeshing import filling
 from mechstyle.simulation import part
-from support.lanes import lane_on_a_sheet
 
 
 def reading(stress, arm="freestyle", floors=(), **changes):
@@ -44,11 +42,6 @@ def test_what_moves_the_share_is_moved_one_thing_at_a_time():
     assert len({cell.key for cell in cells}) == len(cells)
 
 
-def test_what_is_no_part_of_the_study_is_refused():
-    with pytest.raises(BadInput, match="did you mean 'ways'"):
-        factors_of("way", None, None)
-
-
 def test_the_yield_strength_itself_is_viable_and_what_broke_down_is_not():
     rows = [reading(45.6), reading(45.7), reading(None), reading(20.0, floors=((10.0, 9.0, 8.0), (0.0, np.inf, 50.0)))]
     assert viable(rows) == (2, 3)
@@ -80,10 +73,6 @@ def test_a_mesh_of_another_size_is_that_of_the_cell_alone():
     with meshed(0):
         assert usual == (part.TETS, filling.KEPT)
     assert usual == (part.TETS, filling.KEPT)
-
-
-def test_floors_are_of_the_published_rule_alone(tmp_path):
-    assert on_floors(lane_on_a_sheet(tmp_path / "sheet", gain=50.0), FLOORS) == {}
 
 
 def test_the_page_names_what_did_not_run_and_tests_the_ways():

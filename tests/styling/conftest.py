@@ -115,6 +115,12 @@ def stand() -> SurfaceMesh:
 
 
 @pytest.fixture(scope="session")
+def slab():
+    """Makes a slab of so many edges of 4 mm along each axis."""
+    return lambda *steps: boxed(steps, lambda *_: True)
+
+
+@pytest.fixture(scope="session")
 def fine_wall() -> SurfaceMesh:
     """A wall of 80 x 10 x 60 mm with edges of 1 mm, fine enough for bricks of their nominal size."""
     return boxed((80, 10, 60), lambda *_: True, edge=1.0)

@@ -1,4 +1,11 @@
-"""What a print shows is the relief alone: every style must be seen, and told from the others, without its colours."""
+"""What a print shows is the relief alone: every style must be seen, and told from the others, without its colours.
+
+And it is drawn as in the version before: a run that is done again is to give the same part.
+"""
+
+import json
+import os
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -8,6 +15,7 @@ from mechstyle.pictures.colormap import PLAIN
 from mechstyle.pictures.scene import render
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.styling.library import names, style_named
+from mechstyle.styling.style import Relief
 
 WIDTH, HEIGHT, EDGE = 100.0, 80.0, 1.0  # of an upright board [mm]; the edge is about that of 100k vertices on a pen holder
 DEPTH, SHARE = 0.6, 0.08  # relief between its lowest and its highest 2 % [mm], and over a feature: no more than a run makes unless told
@@ -42,15 +50,20 @@ def grey(board):
 
 
 @pytest.fixture(scope="module")
-def pictures(board, grey, blank) -> dict[str, np.ndarray]:
-    """The board in grey with each style's relief, its features of their nominal size, less the plain board."""
-    plain, size = grey(board), 1.0 / blank(board).scale
-    found = {}
-    for name in names():
-        style = style_named(name)
-        height = style.program(blank(board, size=size)).height
+def reliefs(board, blank) -> dict[str, Relief]:
+    """Each style on the board, its features of their nominal size."""
+    size = 1.0 / blank(board).scale
+    return {name: style_named(name).program(blank(board, size=size)) for name in names()}
+
+
+@pytest.fixture(scope="module")
+def pictures(board, grey, reliefs) -> dict[str, np.ndarray]:
+    """The board in grey with each style's relief, less the plain board."""
+    plain, found = grey(board), {}
+    for name, relief in reliefs.items():
+        height = relief.height
         low, high = np.quantile(height, [0.02, 0.98])
-        depth = max(DEPTH, SHARE * style.feature_mm) / (high - low)
+        depth = max(DEPTH, SHARE * style_named(name).feature_mm) / (high - low)
         found[name] = grey(board.displaced(depth * (height - height.mean()))) - plain
     return found
 
@@ -64,3 +77,25 @@ def test_no_two_styles_look_alike_in_grey(pictures):
     alike = np.corrcoef(list(pictures.values()))
     np.fill_diagonal(alike, 0.0)
     assert alike.max() < 0.75
+
+
+STORED = Path(__file__).with_name("styles.json")
+"""Mean and spread of each style's height and colours on the board; with $MECHSTYLE_STORE_STYLES at 1 they are those of now."""
+
+
+@pytest.fixture(scope="module")
+def before(reliefs) -> dict[str, list[float]]:
+    if os.environ.get("MECHSTYLE_STORE_STYLES") == "1":
+        lines = (f"{json.dumps(name)}: {json.dumps(figures_of(relief))}" for name, relief in reliefs.items())
+        STORED.write_text("{\n" + ",\n".join(lines) + "\n}\n")
+    return json.loads(STORED.read_text())
+
+
+def figures_of(relief: Relief) -> list[float]:
+    return [round(float(part), 4) for part in (relief.height.mean(), relief.height.std(), *relief.colour.mean(axis=0), relief.colour.std())]
+
+
+@pytest.mark.parametrize("name", names())
+def test_a_style_is_drawn_as_before_unless_its_change_is_stored(name, reliefs, before):
+    """Whoever changes one looks at its picture, stores these and tells it in the change log: who prints it again gets another part."""
+    assert figures_of(reliefs[name]) == pytest.approx(before[name], abs=1e-3)

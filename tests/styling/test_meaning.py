@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from mechstyle.errors import BadInput
-from mechstyle.runs.recipes import draft
+from mechstyle.runs.recipes import recipe_for
 from mechstyle.styling import meaning
 from mechstyle.styling import prompt as reader
 from mechstyle.styling.prompt import read, suggestions
@@ -53,7 +53,7 @@ def test_words_that_surely_mean_a_style_are_read_as_it_and_the_note_says_so():
         reading = read(prompt)
         assert [wish.style for wish in reading.wishes] == [style]
         assert reading.notes == (f"read {prompt!r} as {style} by its meaning",)
-        settled = draft(prompt).style.prompt  # of the recipe, which machines without an encoder read as well
+        settled = recipe_for(prompt).style.prompt  # of the recipe, which machines without an encoder read as well
         assert settled == f"{prompt}, {style}"
 
 

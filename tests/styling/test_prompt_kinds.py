@@ -124,13 +124,13 @@ COMMON = [word for row in rows("english") if row.kind != "thing" for word in row
 @pytest.mark.parametrize("start", range(4))
 def test_no_letter_of_an_english_word_is_mended(start):
     for word in COMMON[start::60]:
-        _, notes = words.words(word)
+        _, notes = words.words_read(word)
         assert not notes, word
 
 
 @pytest.mark.parametrize("word", ["fire", "face", "river", "three", "grove", "pants", "trick", "brink", "bread", "marvel", "later"])
 def test_what_looks_like_a_slip_and_is_a_word_is_no_style_by_its_letters(word):
-    assert not words.words(f"a {word}")[1]
+    assert not words.words_read(f"a {word}")[1]
     assert only(f"a wooden {word}")[0].style == "wood"
 
 
@@ -157,7 +157,7 @@ def test_letters_in_another_order_and_two_slips_in_a_long_word_are_mended_and_sh
 
 @pytest.mark.parametrize("word", ["charlatan", "marathon", "terraforming", "monstera", "wavelength", "Mississippi", "Alexander"])
 def test_a_long_word_that_is_not_one_of_the_table_is_not_made_one(word):
-    assert not any(note.startswith("read ") for note in words.words(word)[1])
+    assert not any(note.startswith("read ") for note in words.words_read(word)[1])
 
 
 @pytest.mark.parametrize("word", ["burger", "fog", "dad", "mole", "pine", "corner", "pal", "ran"])
@@ -202,7 +202,7 @@ def test_a_prompt_of_no_known_word_is_refused_with_the_languages_that_are_read(p
 
 @pytest.mark.parametrize("row", [row for row in rows("english") if row.kind == "hint"], ids=lambda row: row.words[0][0])
 def test_what_no_style_is_like_gets_three_suggestions_that_come_near(row):
-    unread = [word for word in row.words[0] if not words.words(word)[0][0].means]
+    unread = [word for word in row.words[0] if not words.words_read(word)[0][0].means]
     for word in unread[:: max(len(unread) // 3, 1)]:
         near = suggestions(f"my {word}")
         assert near[0] == row.value.split()[0], word

@@ -446,7 +446,7 @@ def _command_line(draw: random.Random, folder: Path) -> None:
     import mechstyle.simulation.part_test  # noqa: PLC0415
 
     slow = [
-        (mechstyle.runs.run, "started"), (mechstyle.simulation.part_test, "simulate"), (mechstyle.runs.run.Run, "go"),
+        (mechstyle.runs.run.Draft, "ready"), (mechstyle.simulation.part_test, "simulate"), (mechstyle.runs.run.Run, "go"),
         (mechstyle.runs.run.Run, "exported"),
         (mechstyle.runs.run.Run, "report"), (mechstyle.runs.run.Run, "show"),
         (mechstyle.simulation.part, "standardised"), (mechstyle.runs.protection, "protect"),

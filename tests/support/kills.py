@@ -45,13 +45,13 @@ def on_a_sheet(root: Path) -> object:
 def on_a_block(root: Path) -> object:
     """A real run of a small block; the same tetrahedra for all, as the cache has them."""
     from mechstyle.records.mesh import SurfaceMesh  # noqa: PLC0415 — physics is loaded where it is run
-    from mechstyle.runs.recipes import draft  # noqa: PLC0415
-    from mechstyle.runs.run import started  # noqa: PLC0415
+    from mechstyle.runs.recipes import recipe_for  # noqa: PLC0415
+    from mechstyle.runs.run import Draft  # noqa: PLC0415
     from support.part_files import PART  # noqa: PLC0415
 
     drops = {"element": "tet4", "window": 0.1, "nearly_flat": False, "orientations": 2}
-    wanted = draft("bumps", iterations=8, schedule="every", every=3, **drops)
-    return started(wanted, SurfaceMesh(PART.vertices, PART.faces), vertices=1000, out=root, device="cpu").go()
+    wanted = recipe_for("bumps", iterations=8, schedule="every", every=3, **drops)
+    return Draft(wanted, SurfaceMesh(PART.vertices, PART.faces), 1000, folder=root, device="cpu").begin().go()
 
 
 def cpu_seconds() -> float:

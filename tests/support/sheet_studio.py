@@ -54,8 +54,8 @@ def without_physics(patch: pytest.MonkeyPatch) -> None:
     """Let no run of a Studio mesh, draw or drop anything; a sheet may be as coarse as it likes."""
     patch.setattr("mechstyle.records.mesh.VERTICES", (1, 400_000))
     patch.setattr(Run, "events", lambda run, _progress: engine_of(run).run())
-    patch.setattr(controller_module, "prepare_aside", prepared)
-    patch.setattr("mechstyle.simulation.strengthen.refilled", lambda part, *_: part)  # a sheet cannot be meshed
+    patch.setattr(controller_module, "prepare_in_worker", prepared)
+    patch.setattr("mechstyle.runs.run.refilled", lambda part, *_: part)  # a sheet cannot be meshed
     patch.setattr(PartRecord, "droppable", staticmethod(lambda part, _file: part))  # nor does it enclose anything
     patch.setattr(impact_player, "impact_of", impact_of)
     patch.setattr(Run, "exported", exported)  # nor has it a volume

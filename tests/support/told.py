@@ -3,6 +3,7 @@
 import re
 from typing import Any
 
+from mechstyle.pictures.fields import STAYS_BENT
 from mechstyle.records import sentences
 from mechstyle_widgets.state.on_show import on_show
 from mechstyle_widgets.state.outcomes import LOOKS
@@ -18,13 +19,20 @@ def outcomes(html: str) -> set[str]:
 def assert_tells_one_truth(studio: Any) -> None:
     """Badge, Result, pictures and tooltips say of the surface that is drawn what its own test found, or that it had none."""
     state, viewer, shown = studio.state, studio.viewer, on_show(studio.state)
-    own, place = state.run.store.checkpoint(state.row().digest).verdict, (state.lane, state.iteration)
+    own = state.run.store.checkpoint(state.row().digest).verdict
     assert shown.verdict == own, f"{shown.verdict} is not {own}"  # said in words for a kernel, where nobody rewrites assertions
-    assert viewer._drawn_place == place, f"{viewer._drawn_place} is drawn, not {place}"
+    assert viewer.up_to_date, f"{viewer._drawn_place} is drawn, or what was corrected there, not {state.lane} {state.iteration}"
     assert viewer.captions[0] == shown.caption, f"{viewer.captions[0]!r} is the caption of {shown.caption!r}"
     tooltips = [button.tooltip for button in studio.take_away._buttons.values()]
     assert all(one.endswith(shown.caption) for one in tooltips), f"{tooltips} tell of {shown.caption!r}"
     own_words = {sentences.NOT_TESTED if own is None else own.outcome}
     assert outcomes(studio._result.value) == own_words, f"{studio._result.value!r} tells of {own_words}"
+    if viewer.compared:
+        assert viewer.insight == studio.branches.insight(), f"{viewer.insight!r} is not of what is on show, {shown.caption!r}"
     if not (viewer.insight and viewer.compared):
         assert outcomes(viewer.badge._words.value) == own_words, f"{viewer.badge._words.value!r} tells of {own_words}"
+    row, bent = None if own is None else own.deciding, viewer.subject.layer(STAYS_BENT)
+    if row is not None and row.stress is None and not row.collapses and bent is not None:
+        figure, ends = sentences.bend_in(row, row.permanent_set), bent.text_at(bent.peak)
+        assert ends == figure, f"the field ends at {ends}, and the verdict says {figure}"
+        assert figure in studio._result.value, f"{studio._result.value!r} does not tell of {figure}"

@@ -11,7 +11,7 @@ import msgspec
 
 from mechstyle._warp import wp
 from mechstyle.fea.explicit import cores
-from validation import impacts, infill, statics, yielding
+from validation import gyroids, impacts, infill, statics, yielding
 from validation.cases import Case, Result
 
 CASES = {
@@ -42,6 +42,7 @@ CASES = {
         Case("infill_bars", "Solid skins and walls around infill: beam theory and the rule of mixtures", infill.bars),
         Case("infill_cell", "The cell of a gyroid, voxel by voxel", infill.cell, slow=True),
         Case("infill", "Parts with walls and infill meshed line by line, and the same smeared out", infill.grids, slow=True),
+        Case("gyroids", "Gallery parts with each sheet of their gyroid meshed, and the same smeared out", gyroids.gyroids, slow=True),
         Case("energy", "Energy balance of undamped drops", impacts.energy),
         Case("precision", "Single against double precision over an impact", impacts.precision),
         Case("instructions", "Another processor's instructions against this one's", impacts.instructions),
@@ -143,23 +144,3 @@ def _table(results: dict[str, Result]) -> list[str]:
         error, limit = (f"{value:.2g}" if result.passed is not None else "–" for value in (result.error, result.limit))
         rows.append(f"| `{case}` | {name} | {measured} | {reference} | {error} | {limit} | {mark} | {result.note} |")
     return rows
-
-
-def draw(path: Path, found: Found) -> Path:
-    """Error over limit of every figure on a logarithmic axis: what lies left of the line passes."""
-    from matplotlib.figure import Figure  # noqa: PLC0415 - half a second, for pictures only
-
-    figures = [result for one in found.values() for result in one.ran]
-    shares = [max(result.error / result.limit, 1e-10) if result.limit else float(result.error > 0.0) + 1e-10 for result in figures]
-    figure = Figure(figsize=(9.0, 0.9 + 0.22 * len(figures)), layout="constrained")
-    axes = figure.add_subplot()
-    colours = ["#2b6ca3" if result.passed else "#c2410c" for result in figures]
-    axes.scatter(shares, range(len(figures)), c=colours, s=22, zorder=3)
-    axes.axvline(1.0, color="#333333", linewidth=1.0)
-    axes.set(xscale="log", xlabel="error over its limit: left of the line passes", ylim=(len(figures) - 0.5, -0.5))
-    axes.set_yticks(range(len(figures)), [result.case for result in figures], fontsize=8)
-    axes.grid(axis="x", color="#dddddd", linewidth=0.6)
-    axes.spines[["top", "right"]].set_visible(False)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    figure.savefig(path, dpi=110)
-    return path

@@ -25,7 +25,7 @@ def test_without_calculix_its_cases_say_so(monkeypatch):
     assert "calculix-ccx" in result.note
 
 
-def test_the_runner_gives_figures_a_page_and_a_picture(tmp_path):
+def test_the_runner_gives_figures_and_a_page(tmp_path):
     assert RUNNER.main(["--case", "patch", "--case", "devices", "--json", str(tmp_path / "figures"), "--page", str(tmp_path)]) == 0
     patch, devices = (json.loads((tmp_path / "figures").read_text())[name]["results"] for name in ("patch", "devices"))
     assert {"case", "measured", "reference", "error", "limit", "passed"} <= set(patch[0])
@@ -33,7 +33,6 @@ def test_the_runner_gives_figures_a_page_and_a_picture(tmp_path):
     page = (tmp_path / "validation.md").read_text()
     assert "patch" in page
     assert "passed" in page
-    assert (tmp_path / "validation.png").stat().st_size > 5_000
 
 
 def test_a_failing_figure_is_named_and_the_exit_is_not_zero(monkeypatch, capsys):

@@ -15,11 +15,11 @@ from ipywidgets import Widget
 from mechstyle._files import write_whole
 from mechstyle.records.mesh import TetMesh
 from mechstyle.runs.folders import PartRecord
-from mechstyle.runs.run import Run
+from mechstyle.runs.run import Draft, Run
 from mechstyle.runs.session import Session
 from mechstyle.simulation.part import Origin
 from mechstyle_widgets.jupyter import throttle
-from mechstyle_widgets.state.controller import Controller, Wanted
+from mechstyle_widgets.state.controller import Controller
 from mechstyle_widgets.state.studio_state import StudioState
 from mechstyle_widgets.viewer import impact_player
 from support.bench import Bench
@@ -91,7 +91,7 @@ def controller(fake, monkeypatch) -> Controller:
     """A controller of the run without physics, whose settings are those of its recipe until a test changes `wanted`."""
     monkeypatch.setattr(Run, "events", lambda run, _progress: fake.bench.engine(run.recipe, run.lane).run())
     state = StudioState(fake.run)
-    return Controller(state, lambda: Wanted(fake.run.recipe, None, 500, "sheet"))
+    return Controller(state, lambda: Draft(fake.run.recipe, fake.run.part, 500, "sheet"))
 
 
 @pytest.fixture

@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from mechstyle.pictures.fields import stays_bent
 from mechstyle.records import sentences
 from mechstyle.runs.recipes import FREESTYLE
+from mechstyle.runs.run import Draft
 from mechstyle_widgets.panels.branches import Branches, said_of
-from mechstyle_widgets.state.controller import Wanted
 from mechstyle_widgets.state.studio_state import StudioState
 from mechstyle_widgets.viewer.run_viewer import RunViewer
 
@@ -43,7 +44,7 @@ def test_pressed_again_it_finds_what_it_made(controller, settle):
 
 def test_beside_freestyle_there_is_no_freestyle(controller, fake_run, tmp_path):
     free = fake_run(tmp_path / "free", **FREESTYLE).run
-    controller.wanted = lambda: Wanted(free.recipe, None, 500, "sheet")
+    controller.wanted = lambda: Draft(free.recipe, free.part, 500, "sheet")
     controller.both()
     assert controller.state.message.startswith("this is Freestyle already")
     assert controller.state.session is None
@@ -57,11 +58,10 @@ def test_the_place_that_decides_is_that_of_the_one_that_stays_bent_most(controll
     decide = {lane: state.row(12, lane).verdict.deciding for lane in ("main", "freestyle")}
     worst = max(decide, key=lambda lane: decide[lane].used)
     assert f"where {state.called(worst)} stays bent most" in words
-    sheet = state.run.part.surface.displaced(state.checkpoint_at(12, worst).displacement)
-    assert vertex == np.linalg.norm(sheet.vertices - decide[worst].where, axis=1).argmin()
+    assert f"{state.called(worst)} {sentences.found(decide[worst])}" in words, "where it is most bent it is what was judged"
     for lane, row in decide.items():
-        there = state.simulation(state.run.store, state.checkpoint_at(12, lane)).set_of(landing=row.landing)[vertex]
-        assert f"{state.called(lane)} {sentences.bend(np.linalg.norm(there))}" in words
+        there = stays_bent(row).values_in(state.simulation(state.run.store, state.checkpoint_at(12, lane)))[vertex]
+        assert f"{state.called(lane)} {sentences.bend_in(row, there)}" in words
     assert words in branches._comparison.value
 
 

@@ -15,7 +15,7 @@ from PIL import Image
 
 from mechstyle.errors import DamagedStore
 from mechstyle.records import sentences
-from mechstyle.runs.run import Run
+from mechstyle.runs.run import Draft, Run
 from mechstyle_widgets.jupyter import cell_output
 from mechstyle_widgets.panels.mask_inspector import LAYER
 from mechstyle_widgets.state import controller as controller_module
@@ -237,7 +237,7 @@ def test_a_full_disk_is_said(studio, monkeypatch):
     def full(*_args, **_more):
         raise OSError(errno.ENOSPC, "No space left on device", "x")
 
-    monkeypatch.setattr(controller_module, "started", full)
+    monkeypatch.setattr(Draft, "ready", full)
     studio.control_selector.threshold = 0.4
     studio.run_controls._buttons["run"].click()
     studio.state.session.wait(PATIENCE)
@@ -290,14 +290,14 @@ def test_a_branch_that_would_be_the_same_or_comes_too_late_is_said_beside_its_bu
 
 def test_what_is_left_is_told_while_a_part_is_made_ready(studio, monkeypatch, cube):
     """Preparing said neither how long it takes nor that anything happens."""
-    prepare, told = controller_module.prepare_aside, []
+    prepare, told = controller_module.prepare_in_worker, []
 
     def waited(mesh, *, go_on, **rest):
         go_on()
         told.append(studio.state._noted["seconds_left"])
         return prepare(mesh, go_on=go_on, **rest)
 
-    monkeypatch.setattr(controller_module, "prepare_aside", waited)
+    monkeypatch.setattr(controller_module, "prepare_in_worker", waited)
     monkeypatch.setattr(Stopwatch, "total", 0.0)  # however busy the machine is
     studio.part_picker.show(cube.moved(0.5 * cube.vertices), "half")
     expected = studio.state.expected

@@ -67,7 +67,7 @@ def assert_shows(studio: Studio, surface: SurfaceMesh, prompt: str) -> None:
     expected = surface.displaced(newest.displacement)
     np.testing.assert_array_equal(viewer.subject.mesh.faces, surface.faces)
     np.testing.assert_allclose(viewer.subject.mesh.vertices, expected.vertices)
-    np.testing.assert_allclose(viewer.at_rest.vertices, surface.vertices)
+    np.testing.assert_allclose(viewer.undeformed.vertices, surface.vertices)
     viewer.layer = "stress"
     np.testing.assert_allclose(viewer.subject.layer("stress").values, newest.stress)
     assert state.layer == "stress"
@@ -138,7 +138,7 @@ def test_a_part_that_could_not_be_prepared_is_not_taken_for_the_one_before(studi
         raise BadInput("this part cannot be meshed")
 
     with monkeypatch.context() as failing:
-        failing.setattr(controller_module, "prepare_aside", refused)
+        failing.setattr(controller_module, "prepare_in_worker", refused)
         studio.run_controls._buttons["run"].click()
         studio.state.session.wait(PATIENCE)
         studio.state.pump()
@@ -151,16 +151,16 @@ def test_an_opened_run_at_another_resolution_and_back(studio, cube, tmp_path):
     studio.go()
     again = Studio(studio.state.run)
     again.go = studio.go
-    assert again.wanted().mesh is None
+    assert again.wanted().part is again.run.part
     again.drop_options.vertices = 100
-    assert again.wanted().mesh is not None
+    assert again.wanted().part is again.part_picker.mesh
     again.state.open(studio.state.run.branch(4, lane="soft", control="linear"))  # of the same folder: the part is at hand
     again.drop_options.vertices = 64
-    assert again.wanted().mesh is None
+    assert again.wanted().part is again.run.part
     studio.drop_options.vertices = 100
     studio.go()
     again.state.open(studio.state.run)  # of another: it is not
-    assert again.wanted().mesh is not None
+    assert again.wanted().part is again.part_picker.mesh
 
 
 def test_a_damaged_run_is_said_and_does_not_end_the_news(studio, tmp_path):
@@ -209,14 +209,14 @@ def test_choosing_the_part_of_a_run_again_shows_the_run(studio, cube, caplog, re
 def again(studio, monkeypatch) -> Iterator[Studio]:
     """A run opened in a Studio that is told of every part that is meshed; another style is chosen in it."""
     studio.go()
-    prepare = controller_module.prepare_aside
+    prepare = controller_module.prepare_in_worker
     again = Studio(studio.state.run)
 
     def counted(mesh, **options):
         again.meshed.append(mesh)
         return prepare(mesh, **options)
 
-    monkeypatch.setattr(controller_module, "prepare_aside", counted)
+    monkeypatch.setattr(controller_module, "prepare_in_worker", counted)
     again.meshed = []
     again.prompt_box.prompt = "wood"
     yield again

@@ -9,7 +9,7 @@ from mechstyle.geometry.files import save
 from mechstyle.records.load_cases import Load, LoadCase, Support
 from mechstyle.records.recipe import DEFAULTS
 from mechstyle.records.regions import regions
-from mechstyle.runs.recipes import draft
+from mechstyle.runs.recipes import recipe_for
 from mechstyle.runs.run import Run
 from mechstyle.runs.stylizers import FinishedStyle
 from mechstyle.simulation.part import Shape
@@ -35,13 +35,13 @@ def test_settings_given_by_name_reach_the_recipe():
     assert recipe.settings.items() >= {"prompt": "small wood", "control": "linear", "every": 7, "threshold": 0.5, "height": 800.0}.items()
     assert (recipe.test.material.name, recipe.restraint.protect[0].words) == ("PETG", "inside")
     assert (wanted.vertices, wanted.name) == (900, "wall_hook")
-    assert wanted.mesh is studio.part_picker.mesh
+    assert wanted.part is studio.part_picker.mesh
 
 
 def test_the_first_part_is_that_of_demo_and_lessons_in_their_style():
     studio = Studio(material="PETG")
     wanted = studio.wanted()
-    assert wanted.mesh is teaching.trophy()
+    assert wanted.part is teaching.trophy()
     assert (wanted.vertices, wanted.name) == (len(teaching.trophy().vertices), "trophy")
     lesson = teaching.settled(material="PETG", window=None)
     assert wanted.recipe.settings == lesson.settings
@@ -77,9 +77,12 @@ def test_a_criterion_brings_its_method_as_on_the_command_line_and_back():
     studio = Studio("gallery:wall_hook")
     usual = studio.wanted().recipe
     studio.drop_options.criterion = "paper"
-    assert studio.wanted().recipe == draft("brick", criterion="paper") == Studio("gallery:wall_hook", criterion="paper").wanted().recipe
+    published = recipe_for("brick", criterion="paper")
+    assert studio.wanted().recipe == Studio("gallery:wall_hook", criterion="paper").wanted().recipe == published
     assert "leaves little of a style" in studio.drop_options.children[-2].value
-    assert Studio("gallery:wall_hook", criterion="paper", base="level").wanted().recipe == draft("brick", criterion="paper", base="level")
+    assert Studio("gallery:wall_hook", criterion="paper", base="level").wanted().recipe == recipe_for(
+        "brick", criterion="paper", base="level"
+    )
     studio.drop_options.criterion = "robust"
     assert studio.wanted().recipe == usual
 
@@ -208,6 +211,18 @@ def test_another_part_is_shown_at_once():
     assert np.allclose(studio._viewer.subject.mesh.extents, studio.part_picker.mesh.extents)
 
 
+def test_the_recipe_is_worked_out_once_for_each_change(cube):
+    studio = Studio(cube, build_direction=np.array([0.0, 0.0, 1.0]))
+    before = studio.wanted().recipe
+    assert studio.wanted().recipe is before
+    studio.control_selector.threshold = 0.7
+    assert studio.wanted().recipe == before.with_settings(threshold=0.7)
+    studio._unseen = {**studio._unseen, "build_direction": (1.0, 0.0, 0.0)}
+    assert studio.wanted().recipe.test != before.test
+    studio.control_selector.freestyle = True
+    assert studio.wanted().recipe.restraint.control == "none"
+
+
 def test_another_part_has_defaults_of_its_own_and_one_undo_brings_all_back(cube):
     """The first click on another part smeared one brick over a cup: it had the sizes and the vertices of the trophy."""
     given = {"relief": 3.0, "side": "inwards", "feature": 9.0, "protect": ["sphere 0 0 0 2"], "vertices": 1382, "strengthen": 1.0}
@@ -251,6 +266,20 @@ def test_what_is_painted_is_hatched_at_once_and_reaches_the_recipe():
     assert not viewer.protected.any()
 
 
+def test_a_click_that_paints_asks_nothing_of_the_place_and_an_arrow_is_there_while_one_asks():
+    studio = Studio("gallery:wall_hook")
+    viewer, tab = studio._viewer, studio._tabs.selected_index
+    place = tuple(viewer.subject.mesh.vertices[0].tolist())
+    studio.regions_picker.paint = True
+    viewer._clicks(place)
+    assert (studio._tabs.selected_index, viewer.arrow) == (tab, ())
+    studio.regions_picker.paint = False
+    viewer._clicks(place)
+    assert (studio._tabs.selected_index != tab, viewer.arrow != ()) == (True, True)
+    studio._tabs.selected_index = tab
+    assert viewer.arrow == ()
+
+
 def test_a_preview_is_shown_on_the_part_with_what_stays_plain_until_it_cannot_be_drawn():
     studio = Studio("gallery:wall_hook")
     surface = studio.part_picker.mesh
@@ -260,7 +289,7 @@ def test_a_preview_is_shown_on_the_part_with_what_stays_plain_until_it_cannot_be
     studio._viewer.fit("top")
     studio._arrived(Preview(Shape(surface, np.full(count, 8.0, np.float32)), style, 0.4))
     viewer = studio._viewer
-    assert viewer.at_rest is surface
+    assert viewer.undeformed is surface
     assert viewer._orbit.seen.elevation == pytest.approx(90.0, abs=0.1)
     np.testing.assert_allclose(viewer.subject.mesh.vertices, surface.displaced(style.relief).vertices)
     np.testing.assert_array_equal(viewer.protected, spared)
@@ -342,7 +371,7 @@ def test_a_part_that_is_ready_is_shown_by_the_view_in_which_its_style_will_stand
     monkeypatch.setattr(Previewer, "ready", lambda *_: cube)
     studio = Studio("gallery:wall_hook")
     first, again, count = studio.viewer, cube.moved(cube.vertices), len(cube.vertices)
-    assert first.at_rest is cube
+    assert first.undeformed is cube
     style = FinishedStyle(np.full(count, 0.5, np.float32), np.full((count, 3), 0.2), np.arange(count) < 3, ())
     studio._arrived(Preview(Shape(again, np.full(count, 8.0, np.float32)), style, 0.4))
     assert studio.viewer is first
@@ -426,9 +455,9 @@ def test_a_run_opens_with_its_settings_and_its_newest_iteration(done):
     assert studio.controller.differs() == {}
     assert isinstance(studio._viewer, RunViewer)
     assert studio.part_picker.name == "sheet"
-    assert studio.wanted().mesh is None  # the part of the run is at hand
+    assert studio.wanted().part is studio.run.part  # the part of the run is at hand
     studio.drop_options.vertices = 700
-    assert studio.wanted().mesh is studio.part_picker.mesh
+    assert studio.wanted().part is studio.part_picker.mesh
 
 
 @pytest.mark.usefixtures("unprotected")
@@ -532,7 +561,7 @@ def test_the_what_if_layer_moves_with_the_threshold(done):
 
 
 @pytest.mark.usefixtures("unprotected")
-def test_an_interrupted_run_is_reopened_and_goes_on(fake, monkeypatch):
+def test_an_interrupted_run_is_reopened_and_goes_on(fake, monkeypatch, caplog):
     session = fake.session()
     session.run_until(lambda event: getattr(getattr(event, "checkpoint", None), "iteration", 0) == 5)
     session.wait(30.0)
@@ -541,6 +570,7 @@ def test_an_interrupted_run_is_reopened_and_goes_on(fake, monkeypatch):
     monkeypatch.setattr(Run, "events", lambda run, _progress: fake.bench.engine(run.recipe, run.lane).run())
     studio = Studio(fake.run.store.root)
     assert (studio.state.iteration, studio.state.status) == (5, "stopped")
+    assert (caplog.records, studio.run_controls._buttons["run"].description) == ([], "Go on")
     assert studio.state.fraction == pytest.approx(5 / 12)
     studio.run_controls._buttons["run"].click()
     studio.state.session.wait(30.0)

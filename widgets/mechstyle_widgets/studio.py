@@ -25,14 +25,15 @@ from mechstyle.records import SETTINGS, Recipe
 from mechstyle.records.mesh import SurfaceMesh, check_vertices
 from mechstyle.records.recipe import DEFAULTS
 from mechstyle.runs.images import remember
-from mechstyle.runs.recipes import FREESTYLE, brought, check_figure, draft
-from mechstyle.runs.run import Run
+from mechstyle.runs.recipes import FREESTYLE, brought, check_figure, recipe_for
+from mechstyle.runs.run import Draft, Run
 from mechstyle.simulation.estimate import estimated, landings_on_the_way, plan_of
 from mechstyle.teaching import STYLE, trophy
 from mechstyle_widgets.jupyter.cell_output import OncePerCell
 from mechstyle_widgets.jupyter.frame import Frame
-from mechstyle_widgets.jupyter.language import speak, word
+from mechstyle_widgets.jupyter.language import speak, speaking, spoken, word
 from mechstyle_widgets.jupyter.looks import close_family, lean, sharing, show, stacked, unheard
+from mechstyle_widgets.jupyter.one_thread import hear_on_one_thread
 from mechstyle_widgets.panels.branches import Branches
 from mechstyle_widgets.panels.keys import Keys
 from mechstyle_widgets.panels.mask_inspector import DECIDES, MaskInspector
@@ -40,7 +41,7 @@ from mechstyle_widgets.panels.my_runs import MyRuns
 from mechstyle_widgets.panels.next_steps import NextSteps
 from mechstyle_widgets.panels.pull import PullHere
 from mechstyle_widgets.panels.result import Result
-from mechstyle_widgets.panels.run_controls import AT_REST, RunControls
+from mechstyle_widgets.panels.run_controls import NOT_RUNNING, RunControls
 from mechstyle_widgets.panels.take_away import TakeAway
 from mechstyle_widgets.panels.undo import Undo
 from mechstyle_widgets.settings.control import ControlSelector
@@ -52,9 +53,9 @@ from mechstyle_widgets.settings.prompt import PromptBox
 from mechstyle_widgets.settings.regions import RegionsPicker, covered, paintable
 from mechstyle_widgets.settings.schedule import ScheduleSelector
 from mechstyle_widgets.settings.section import Group
-from mechstyle_widgets.state.controller import Controller, Wanted
+from mechstyle_widgets.state.controller import Controller
 from mechstyle_widgets.state.on_show import OnShow, on_show
-from mechstyle_widgets.state.opening import opening
+from mechstyle_widgets.state.opening import opening, shipped
 from mechstyle_widgets.state.preview import Preview, Previewer
 from mechstyle_widgets.state.studio_state import FREE, StudioState, titled
 from mechstyle_widgets.timeline.timeline import Timeline
@@ -114,6 +115,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
     _viewer: Viewer | None = None
     _timeline: Timeline | None = None
     _pictured = False
+    _drafted: tuple[dict[str, Any], Recipe] | None = None
     _of_lesson: Mapping[str, Any] = {}
     """Settings that another part does not keep, as long as nobody has changed them."""
     _spared: tuple[str, NDArray[np.bool_]] = ("", np.zeros(0, bool))
@@ -131,8 +133,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
             part: `gallery:NAME`, a file, a surface, a run, or a run directory, which may be written DIR@LANE; None for the trophy
                 of the lessons, in their style, and without any setting for a finished run of it beside Freestyle.
             theme: `light` or `dark`, or `auto`, which follows the notebook's.
-            language: What its controls are called in: `en` or `de`; None for that of the Studios before it, English at first. All
-                Studios of a kernel speak one.
+            language: What it speaks: `en` or `de`; None for that of the Studio before it, English at first.
             filled: Whether it fills the window from the beginning on.
             settings: Any of `prompt`, `material`, `freestyle`, `vertices`, `device`, `folder`, `scale`, and settings of a recipe.
 
@@ -141,6 +142,12 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         """
         if language is not None:
             speak(language)
+        hear_on_one_thread()  # from the first control on, so that each knows what it speaks
+        with speaking(spoken()):
+            self._make(part, settings, theme=theme, filled=filled)
+
+    def _make(self, part: str | Path | SurfaceMesh | Run | None, settings: dict[str, Any], *, theme: str, filled: bool) -> None:
+        """Put it together, in the language spoken; arguments as of `__init__`."""
         shown, lesson = part is None and not settings, part is None
         if shown:
             part = opening()
@@ -164,12 +171,13 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self.theme = theme
         self._timeline = Timeline(self.state, theme=self.shown_theme, width=SIZE[0])
         bar = [self.run_controls, self._undo, self.drop_options.sizes, self.take_away, self.frame]
-        super().__init__([stacked(bar, "mechstyle-bar"), self.next_steps, self._body()])
+        super().__init__([stacked(bar, "mechstyle-bar"), self._body()])
         self.add_class("mechstyle-studio")
         self._wire()
         if run is not None:
-            self._take(run)
-            self.state.open(run)
+            with self.state.hold_trait_notifications():  # all is heard of at once: no view of the plain part is made first
+                self.state.open(run)
+                self._take(run)
         self._of_lesson = {name: getattr(self._owners[name], name) for name in STYLE} if lesson else {}
         self._other_part()
         if shown:
@@ -231,8 +239,17 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
 
     def make_yours(self) -> None:
         """Leave the shipped comparison for the plain part, and wait for a style in the box for it."""
-        self.prompt_box.prompt = ""
+        with self._undo.as_one(), self.state.hold_trait_notifications():
+            self._leave_freestyle()
+            self.prompt_box.prompt = ""
         self.prompt_box.focus()
+
+    def _leave_freestyle(self) -> None:
+        """Who has looked at the free one of the shipped comparison has not asked for Freestyle."""
+        if self.run is not None and shipped(self.run) and self.control_selector.freestyle:
+            self.control_selector.freestyle = False
+            for name in FREESTYLE.keys() - STYLE.keys():
+                setattr(self._owners[name], name, DEFAULTS[name])
 
     def back(self) -> None:
         """Ask for the run on show again: its part and its settings."""
@@ -240,20 +257,16 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
             self._take(self.run)
             self._other_part()
 
-    def wanted(self) -> Wanted:
+    def wanted(self) -> Draft:
         """The run the settings ask for; BadInput if they cannot be used."""
-        chosen = self._chosen
-        freestyle, prompt, material = self.control_selector.freestyle, chosen.pop("prompt"), chosen.pop("material")
-        if freestyle:
-            chosen = {name: value for name, value in chosen.items() if name not in (*FREESTYLE, "normalisation")}
-        part, options = self.part_picker, self.drop_options
-        opened = part.mesh is not None and part.mesh is self._opened_mesh and options.vertices == len(part.mesh.vertices)
-        at_hand = opened and self.run is not None and self.run.store.place == self._opened_place
+        run, mesh, options, recipe = self.run, self.part_picker.mesh, self.drop_options, self._recipe
+        assert mesh is not None, "a Studio begins with a part"
+        opened = mesh is self._opened_mesh and options.vertices == len(mesh.vertices)
+        at_hand = run if opened and run is not None and run.store.place == self._opened_place else None
         if not opened:
             check_vertices(options.vertices)
-        unseen = {name: value for name, value in self._unseen.items() if not (name == "clip" and chosen["guidance"] == "offline")}
-        recipe = draft(prompt, material, freestyle=freestyle, **{**unseen, **chosen})
-        return Wanted(recipe, None if at_hand else part.mesh, options.vertices, part.name or "part", options.folder, options.device)
+        part, name = mesh if at_hand is None else at_hand.part, self.part_picker.name or "part"
+        return Draft(recipe, part, options.vertices, name, options.folder or None, options.device)
 
     def close(self) -> None:
         """Stop what is going on and close every widget."""
@@ -305,7 +318,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
             if name in self._owners:
                 setattr(self._owners[name], name, value)
             elif name in UNSEEN:
-                self._unseen[name] = value
+                self._unseen[name] = value.tolist() if isinstance(value, np.ndarray) else value  # two of them can be compared
             else:
                 known = sorted({*UNSEEN, *self._owners})
                 near = difflib.get_close_matches(name, known, n=1, cutoff=0.5)
@@ -316,6 +329,17 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
     def _chosen(self) -> dict[str, Any]:
         """What is chosen in all sections, by the names of a recipe's fields."""
         return {name: value for section in self._sections for name, value in section.settings.items()}
+
+    @property
+    def _recipe(self) -> Recipe:
+        """What they come to; several ask for it after every change, and again when a run is begun: it is worked out once."""
+        chosen, freestyle = self._chosen, self.control_selector.freestyle
+        unseen = {name: value for name, value in self._unseen.items() if not (name == "clip" and chosen["guidance"] == "offline")}
+        settled = (*FREESTYLE, "normalisation") if freestyle else ()
+        asked = {**unseen, **{name: value for name, value in chosen.items() if name not in settled}, "freestyle": freestyle}
+        if self._drafted is None or self._drafted[0] != asked:
+            self._drafted = asked, recipe_for(**asked)
+        return self._drafted[1]
 
     def _body(self) -> ipywidgets.Box:
         """Settings, view with timeline, and what looks into them; the sheet of the frame says which stand beside each other."""
@@ -328,8 +352,9 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         for group in self._groups:
             group.observe(self._turn_page, "unfolded")
         self._tabs = lean(ipywidgets.Tab, [self.mask_inspector, self.branches, self._asked], titles=("What if", "Branches", "Place"))
+        traitlets.dlink((self._tabs, "selected_index"), (self.pull_here, "shown"), lambda index: index == ASKED)
         setup, middle = stacked(self._groups, "mechstyle-setup"), stacked([self._middle, self._timeline], "mechstyle-middle")
-        return stacked([setup, middle, stacked([self._result, self._tabs], "mechstyle-inspect")], "mechstyle-body")
+        return stacked([setup, middle, self.next_steps, stacked([self._result, self._tabs], "mechstyle-inspect")], "mechstyle-body")
 
     def _turn_page(self, _change: object = None) -> None:
         """A group that is a page takes the place of all others while it is open."""
@@ -411,6 +436,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
             if vertices is not None and run is not None:
                 self._take_recipe(run.recipe)
             else:
+                self._leave_freestyle()
                 lesson = [name for name, value in self._of_lesson.items() if getattr(self._owners[name], name) == value]
                 for name in (*OF_A_PART, *lesson):
                     setattr(self._owners[name], name, DEFAULTS[name])
@@ -447,6 +473,8 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         there = self.state.checkpoint is None or isinstance(self._viewer, RunViewer) or self._show_its_run()
         if not there and (change["old"] is None or not self.state.follow):
             self._show_run()
+        if isinstance(self._viewer, RunViewer):
+            self._viewer.insight = self.branches.insight()  # which is of tested ends alone
 
     def _looks_otherwise(self) -> bool:
         """Whether a style is asked for that the run on show does not have, while nothing is in hand."""
@@ -488,12 +516,17 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         old, self._viewer = self._viewer, viewer
         self._middle.children, self._asked.children = [viewer], [self.pull_here, viewer.lend_table()]
         self._caption()
-        viewer.on_click(self.regions_picker.click)
-        viewer.on_click(self.pull_here.click)
-        viewer.on_click(lambda _: setattr(self._tabs, "selected_index", ASKED))
+        viewer.on_click(self._click)
         self._hatch()
         if old is not None:
             old.close()
+
+    def _click(self, place: tuple[float, float, float]) -> None:
+        """A click paints while the brush is in hand; otherwise it asks of the place."""
+        self.regions_picker.click(place)
+        if not self.regions_picker.paint:
+            self.pull_here.click(place)
+            self._tabs.selected_index = ASKED
 
     def _made(self, make: Callable[..., Any], what: Any) -> Any:
         return make(what, theme=self.shown_theme, width=self._size[0], height=self._size[1])
@@ -586,7 +619,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self.part_picker.remark(preview.shape.too_thin(self.drop_options.minimum_wall))
         if style is not None:
             self._spared = surface.digest, style.spared & ~covered(preview.protect, surface)
-        if viewer.at_rest.digest != surface.digest:
+        if viewer.undeformed.digest != surface.digest:
             finer = self._made(PartViewer, surface)
             finer.look_from(viewer)
             self._show(finer)
@@ -616,7 +649,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         shown = on_show(self.state)
         if self.state.status == "finished" and self.state.pinned is None and shown is not None and shown.fails:
             self._lead_to_worst()
-        if self.state.status in (*AT_REST, "paused"):
+        if self.state.status in (*NOT_RUNNING, "paused"):
             self.renew_still()
         if self.state.status in ENDINGS and self.state.session is not None:
             self.frame.tell(word(ENDINGS[self.state.status]).format(self.state.title))
@@ -632,8 +665,8 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
             return
         digest, spared = self._spared
         try:
-            painted = covered(picker.protect, viewer.at_rest)
-            viewer.protected = painted | spared if isinstance(viewer, PartViewer) and viewer.at_rest.digest == digest else painted
+            painted = covered(picker.protect, viewer.undeformed)
+            viewer.protected = painted | spared if isinstance(viewer, PartViewer) and viewer.undeformed.digest == digest else painted
         except BadInput as error:
             viewer.protected = None
             picker.complain(str(error))

@@ -64,7 +64,7 @@ class CoreBody:
 
     def batches(self, scheme: Scheme, starts: Starts) -> list[CoreDrop]:
         """One orientation per job."""
-        return [CoreDrop(self, scheme, starts.of(slice(index, index + 1))) for index in range(len(starts))]
+        return [CoreDrop(self, scheme, starts.subset(slice(index, index + 1))) for index in range(len(starts))]
 
     def shaped(self, scheme: Scheme) -> CoreShaped:
         """The body as it is before anything flows."""

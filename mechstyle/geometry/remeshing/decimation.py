@@ -38,7 +38,7 @@ class _Quadrics(NamedTuple):
         whole = total.reshape(-1, 4, 4)
         return cls(whole[:, :3, :3].copy(), whole[:, :3, 3].copy(), whole[:, 3, 3].copy())
 
-    def of(self, edges: Indices) -> _Quadrics:
+    def at_both_ends(self, edges: Indices) -> _Quadrics:
         """Those of both ends of edges together."""
         return _Quadrics(*(part[edges[:, 0]] + part[edges[:, 1]] for part in self))
 
@@ -63,7 +63,7 @@ def decimated(mesh: SurfaceMesh, faces: int, go_on: CancelCheck = never_cancel, 
     for _ in range(TOL.decimation_rounds):
         go_on()
         edges, excess = edges_of(corners), (len(corners) - faces + 1) // 2  # a collapse takes two triangles
-        shared = quadrics.of(edges)
+        shared = quadrics.at_both_ends(edges)
         places = shared.lowest(0.5 * (vertices[edges[:, 0]] + vertices[edges[:, 1]]))
         costs = shared.at(places)
         sound = np.flatnonzero(valid_collapses(vertices, corners, edges, places, longest=longest, cosine=TOL.turn_in_decimation))
@@ -76,7 +76,7 @@ def decimated(mesh: SurfaceMesh, faces: int, go_on: CancelCheck = never_cancel, 
         edges = edges[chosen]
         (stays, goes), vertices = edges.T, vertices.copy()
         vertices[stays] = places[chosen]
-        for part, both in zip(quadrics, quadrics.of(edges), strict=True):
+        for part, both in zip(quadrics, quadrics.at_both_ends(edges), strict=True):
             part[stays] = both
         quadrics = _Quadrics(*(np.delete(part, goes, axis=0) for part in quadrics))
         vertices, corners = merged(vertices, corners, stays, goes)

@@ -137,7 +137,7 @@ def _attempt(surface: SurfaceMesh, aim: float, sharpness: float, timeout: float,
     loose = sharpness * TOL.loose * wall
     detail = 0.5 * TOL.lost_detail * wall
     finest = even_edge(surface, round(TOL.finest_input / sharpness))  # coarser ones may be what the fault of the run before comes from
-    even = _filled_as(surface, aim, finest, loose, detail, go_on) if keep is None else _kept(surface, keep, loose, detail, go_on)
+    even = _filled_as(surface, aim, finest, loose, detail, go_on) if keep is None else _simplified(surface, keep, loose, detail, go_on)
     own = (TOL.per_face if keep is None else TOL.per_kept_face) * len(even.faces)
     edge = _edge(surface.volume, own, aim)
     found = _tidied(*tetwild(even.vertices, even.faces, Settings(edge, epsilon / surface.size), timeout=timeout, go_on=go_on))
@@ -179,14 +179,16 @@ def _filled_as(surface: SurfaceMesh, aim: float, finest: float, deviation: float
         back = TriangleTree(even.vertices, even.faces).nearest(surface.vertices).distance
         if edge <= finest or max(np.quantile(there, 0.999), np.quantile(back, 0.999)) <= deviation:
             even = even if even.is_closed else surface
-            crowds = crowded(body, asked, len(even.vertices), go_on)
-            return _kept(surface, Kept(surface, np.full(len(surface.vertices), 0.5 * detail)), deviation, detail, go_on) if crowds else even
+            if not crowded(body, asked, len(even.vertices), go_on):
+                return even
+            break
         edge *= 0.8
         if edge < own <= asked:
-            return _kept(surface, Kept(surface, np.full(len(surface.vertices), 0.5 * detail)), deviation, detail, go_on)
+            break
+    return _simplified(surface, Kept(surface, np.full(len(surface.vertices), 0.5 * detail)), deviation, detail, go_on)
 
 
-def _kept(surface: SurfaceMesh, keep: Kept, deviation: float, detail: float, go_on: CancelCheck) -> SurfaceMesh:
+def _simplified(surface: SurfaceMesh, keep: Kept, deviation: float, detail: float, go_on: CancelCheck) -> SurfaceMesh:
     """The surface in its own triangles; of more than the least of KEPT, those that its exaggerated relief needs least are given up.
 
     Low ones go in any case, as far as that moves the surface by no more than `deviation` [mm]. Even triangles of the same number round

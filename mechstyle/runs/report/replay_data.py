@@ -161,7 +161,7 @@ def _bend(run: LaneOfRun, simulation: str, row: Row) -> NDArray[np.float32]:
     worst = None if verdict is None else verdict.deciding
     if worst is None or not simulation:
         return np.full(len(run.part.surface.vertices), np.nan, np.float32)
-    return stays_bent(worst).of(run.store.objects.get_record(simulation, Simulation))
+    return stays_bent(worst).values_in(run.store.objects.get_record(simulation, Simulation))
 
 
 def _unique(digests: Sequence[Digests], key: str) -> tuple[list[str], list[int]]:

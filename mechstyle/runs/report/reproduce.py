@@ -19,7 +19,7 @@ from mechstyle.records.recipe import OF_FEEDBACK, OPTIONS, settings_of
 from mechstyle.records.regions import Region
 from mechstyle.records.written import written
 from mechstyle.runs.images import file_name
-from mechstyle.runs.recipes import changed, draft
+from mechstyle.runs.recipes import changed, recipe_for
 from mechstyle.runs.report.run_protocol import LaneOfRun
 
 OF_FREESTYLE = frozenset(OPTIONS) - frozenset(OF_FEEDBACK)
@@ -58,7 +58,7 @@ def cell_for(run: LaneOfRun, history: Sequence[Entry]) -> str:
     recipes = _recipes(run, history)
     origin = run.record.origin
     first = next(iter(recipes.values()))
-    given = settings_for(first, partial(draft, ANY_PROMPT)) | {"prompt": first.style.prompt}
+    given = settings_for(first, partial(recipe_for, ANY_PROMPT)) | {"prompt": first.style.prompt}
     reading = "".join(f", {name}={value!r}" for name, value in origin.reading.items())
     made = {"vertices": origin.vertices} if origin.vertices != STANDARD_VERTICES else {}
     model = f"ms.load({origin.model or f'{run.record.stem}.stl'!r}{reading})"
@@ -92,7 +92,7 @@ def _recipes(run: LaneOfRun, history: Sequence[Entry]) -> dict[str, Recipe]:
 
 
 def settings_for(recipe: Recipe, start: Callable[..., Recipe]) -> dict[str, Any]:
-    """The settings that lead from `start`, a function of settings such as `draft`, to the recipe."""
+    """The settings that lead from `start`, a function of settings such as `recipe_for`, to the recipe."""
 
     def differing(names: Sequence[str], old: Recipe) -> dict[str, Any]:
         values = {name: value for name, _, value in old.differences(recipe) if value is not None}  # what is None cannot be asked for
@@ -128,7 +128,7 @@ def options(settings: dict[str, Any], known: Collection[str] = OPTIONS) -> list[
 
 def _run(run: LaneOfRun, recipe: Recipe, folder: str) -> str:
     """`mechstyle run` or `mechstyle freestyle`, whichever needs fewer settings."""
-    plain, free = (settings_for(recipe, partial(draft, ANY_PROMPT, freestyle=freestyle)) for freestyle in (False, True))
+    plain, free = (settings_for(recipe, partial(recipe_for, ANY_PROMPT, freestyle=freestyle)) for freestyle in (False, True))
     verb, settings, known = ("freestyle", free, OF_FREESTYLE) if len(free) < len(plain) else ("run", plain, OPTIONS)
     origin = run.record.origin
     model = origin.model or f"{run.record.stem}.stl"

@@ -29,7 +29,8 @@ def timeline(tests: Sequence[Step], last: int) -> Markup:
     span = max(last, 1)
     most = max(_allowed(step) for step in tests)
     top = 1.12 * max(most, min(max(_found(step) for step in tests), HIGHEST * most))
-    unit = "MPa" if any(_is_stress(step) for step in tests) else "mm"
+    published = any(step.verdict.deciding is not None and step.verdict.deciding.stress is not None for step in tests)
+    unit = "MPa" if published else "mm"
     x = {step.iteration: LEFT + (RIGHT - LEFT) * step.iteration / span for step in tests}
 
     def height(value: float) -> float:
@@ -101,11 +102,6 @@ def _free_place(limit: float, line: Sequence[tuple[float, float]], marks: Sequen
 def _distance(x: float, y: float, right: float, base: float) -> float:
     """From a place to the name that ends at `right` and stands on `base`, along the axis where it is farther; 0 within it."""
     return max(right - NAME[0] - x, x - right, base + 3 - NAME[1] - y, y - base - 3, 0.0)
-
-
-def _is_stress(step: Step) -> bool:
-    """Whether a simulation was judged by the published rule, which reads a stress."""
-    return step.verdict.deciding is not None and step.verdict.deciding.stress is not None
 
 
 def _found(step: Step) -> float:

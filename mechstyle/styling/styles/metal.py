@@ -249,7 +249,7 @@ WAVE, CONE = 12.0, 18.0
 @style("upright waves of zinc sheet, with a lap and bolts where sheets meet", feature_mm=WAVE)
 def corrugated(canvas: Canvas) -> Relief:
     """A sheet bent into upright waves; each sheet overlaps the one below it, bolted through its crests."""
-    unit = canvas.unit("waves of the sheet", WAVE, edges=4.0)
+    unit = canvas.unit("corrugations", WAVE, edges=4.0)
     bond = canvas.bond(WAVE * unit, 5.0 * WAVE * unit, shift=0.0)
     wave = np.cos(2.0 * np.pi * bond.x)
     below = (bond.y + 0.5) * 5.0 * WAVE  # from the lower edge of its sheet

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from mechstyle._warp import wp
-from mechstyle.fea.backends.kernels import advance
+from mechstyle.fea.backends.kernels import advance, common_gradient, quadratic_gradient, values_ahead
+from mechstyle.fea.elements import QUADRATIC
 
 DT, GRAVITY, FRICTION, MASS = 1e-3, 9.81e-3, 0.3, 2.0
 UP = np.array([0.0, 0.0, 1.0])
@@ -53,3 +54,27 @@ def test_what_the_floor_takes_is_the_kinetic_energy_that_is_gone():
     _, v, _, lost = stepped(before, 0.0)
     weight = -MASS * GRAVITY * DT * (before[2] + v[2]) / 2.0  # its work, by the same mean of velocities
     assert lost == pytest.approx(0.5 * MASS * (before @ before - v @ v) + weight, rel=1e-5)
+
+
+@wp.kernel
+def gradient_at(
+    u: wp.array2d(dtype=wp.vec3f), v: wp.array2d(dtype=wp.vec3f), nodes: wp.array2d(dtype=int), G: wp.mat33f, q: int,
+    found: wp.array(dtype=wp.mat33f),
+):  # fmt: skip
+    """The gradient of u + v / 2 at a point of one element."""
+    x = values_ahead(u, v, 0.5, nodes, 0, 0)
+    found[0] = quadratic_gradient(common_gradient(x, G), x, G, q)
+
+
+@pytest.mark.parametrize("point", range(4))
+def test_the_gradient_in_a_quadratic_element_is_that_of_its_shape_functions(point):
+    random = np.random.default_rng(5)
+    corners, u, v = random.normal(size=(4, 3)), *random.normal(size=(2, 10, 3))
+    last_three = np.linalg.inv((corners[1:] - corners[0]).T)  # ∇L_1 to ∇L_3
+    barycentric = np.vstack([-last_three.sum(axis=0), last_three])
+    expected = (u + 0.5 * v).T @ QUADRATIC.derivatives[point] @ barycentric
+    found = wp.zeros(1, dtype=wp.mat33f, device="cpu")
+    fields = [wp.array(field[:, None].astype(np.float32), dtype=wp.vec3f, device="cpu") for field in (u, v)]
+    nodes = wp.array(np.arange(10, dtype=np.int32)[None], dtype=int, device="cpu")
+    wp.launch(gradient_at, 1, [*fields, nodes, wp.mat33f(*last_three.ravel()), point, found], device="cpu")
+    np.testing.assert_allclose(found.numpy()[0], expected, rtol=1e-4, atol=1e-4)

@@ -318,9 +318,9 @@ def test_triangles_that_are_to_be_kept_are_kept_or_given_up_where_they_are_neede
     relief = np.where(z > 19.9, 0.2 * np.sin(1.5 * x), 0.0)
     ridged, exaggerated = block.displaced(0.5 * relief), block.displaced(4.0 * relief)
     keep = any_distance(exaggerated)
-    assert len(module._kept(ridged, keep, 0.2, 1.0, never_cancel).faces) == len(ridged.faces)
+    assert len(module._simplified(ridged, keep, 0.2, 1.0, never_cancel).faces) == len(ridged.faces)
     monkeypatch.setattr(module, "KEPT", (len(ridged.faces) // 2,))
-    fewer = module._kept(ridged, keep, 0.2, 1.0, never_cancel)
+    fewer = module._simplified(ridged, keep, 0.2, 1.0, never_cancel)
     assert fewer.is_closed
     assert len(fewer.faces) <= module.KEPT[0]
     assert fewer.volume == pytest.approx(ridged.volume, rel=0.01)
@@ -340,7 +340,7 @@ def test_as_many_triangles_are_kept_as_it_takes_to_stand_out_no_further(block, m
     grooved = block.displaced(np.where(z > 19.9, -0.2 * (1.0 + np.sin(1.5 * x)), 0.0))
     counts = tuple(len(block.faces) // part for part in (2, 4, 8, 16))
     monkeypatch.setattr(module, "KEPT", counts)
-    fewer = module._kept(grooved, module.Kept(grooved, np.full(len(grooved.vertices), proud)), 0.0, 2.0, never_cancel)
+    fewer = module._simplified(grooved, module.Kept(grooved, np.full(len(grooved.vertices), proud)), 0.0, 2.0, never_cancel)
     off = TriangleTree(fewer.vertices, fewer.faces).nearest(grooved.vertices).point - grooved.vertices
     out = np.einsum("vi,vi->v", off, grooved.vertex_normals)
     assert grooved.vertex_areas[out > proud].sum() <= TOL.standing_out
@@ -357,7 +357,7 @@ def test_a_groove_around_a_stem_is_kept_if_it_is_deep_enough_to_matter(monkeypat
         grooved = stem.displaced(np.where(within, -0.5 * depth, 0.0).astype(np.float32))
         proud = np.full(len(stem.vertices), 0.05 * (4.0 - 2.0 * depth))
         styled = stem.displaced(np.where(within, -depth, 0.0).astype(np.float32))
-        fewer = module._kept(grooved, module.Kept(styled, proud), 0.0, 2.0, never_cancel)
+        fewer = module._simplified(grooved, module.Kept(styled, proud), 0.0, 2.0, never_cancel)
         off = TriangleTree(fewer.vertices, fewer.faces).nearest(grooved.vertices[within]).point - grooved.vertices[within]
         out = np.einsum("vi,vi->v", off, grooved.vertex_normals[within])
         assert np.mean(out) < proud[0]
@@ -385,7 +385,7 @@ def test_a_relief_is_exaggerated_no_further_than_the_shape_of_the_part_allows(bl
     monkeypatch.setattr(module, "KEPT", (len(block.faces) // 16,))
 
     def lost(detail):
-        fewer = module._kept(knobbed, any_distance(exaggerated), 0.0, detail, never_cancel)
+        fewer = module._simplified(knobbed, any_distance(exaggerated), 0.0, detail, never_cancel)
         return TriangleTree(fewer.vertices, fewer.faces).nearest(knobbed.vertices).distance.max()
 
     assert lost(np.inf) > 0.3

@@ -10,6 +10,7 @@ from msgspec.structs import replace as replace_fields
 from mechstyle.errors import BadInput
 from mechstyle.loop.store import Lane, Store
 from mechstyle.pictures import scene
+from mechstyle.pictures.fields import stays_bent
 from mechstyle.records import sentences
 from mechstyle.runs.report.replay_data import LEVELS, NO_NUMBER, Channel, channel_of, replay_data
 from mechstyle.runs.run import Run
@@ -98,8 +99,7 @@ def test_what_stays_bent_is_that_of_the_worst_test_of_each_simulation(lane):
     got = unpacked(replay_data(lane))["stays_bent"]
     for frame in (0, 20, 25, 60):
         row = lane.store.verdict(lane.checkpoint(frame)).deciding
-        wanted = np.linalg.norm(lane.simulation(frame).set_of(landing=row.landing), axis=1)
-        assert got[frame] == pytest.approx(wanted, abs=1e-3)
+        assert got[frame] == pytest.approx(stays_bent(row).values_in(lane.simulation(frame)), abs=1e-3)
 
 
 def test_demand_is_read_as_the_recipe_in_force_has_it(sheet, lane):

@@ -11,7 +11,7 @@ from mechstyle.cli import run
 from mechstyle.records.load_cases import Load, LoadCase, Support
 from mechstyle.records.material import LIBRARY, Material
 from mechstyle.records.regions import Box
-from mechstyle.runs.recipes import draft
+from mechstyle.runs.recipes import recipe_for
 from mechstyle.runs.report.reproduce import OF_FREESTYLE, OPTIONS, cell_for, command_for
 from mechstyle.simulation.part import Origin
 
@@ -53,13 +53,13 @@ def typed(steps, monkeypatch):
     with pytest.raises(SystemExit):
         PARSER(shlex.split(steps)[1:])
     given, freestyle = caught[0]
-    return draft(**given[1], freestyle=freestyle), given
+    return recipe_for(**given[1], freestyle=freestyle), given
 
 
 @pytest.mark.parametrize("freestyle", [False, True], ids=["mechstyle", "freestyle"])
 @pytest.mark.parametrize("settings", CASES, ids=lambda settings: ",".join(settings) or "defaults")
 def test_the_command_makes_the_same_recipe(lane, monkeypatch, settings, freestyle):
-    wanted = draft(**{"prompt": "brick", **settings}, freestyle=freestyle)
+    wanted = recipe_for(**{"prompt": "brick", **settings}, freestyle=freestyle)
     made, _ = typed(command_for(FakeLane(lane, wanted), []), monkeypatch)
     assert made.digest == wanted.digest
 
@@ -84,7 +84,7 @@ class Notebook:
         return (address, scale)
 
     def stylize(self, part, prompt, material="PLA", vertices=None, **settings):
-        self.asked = (part, draft(prompt, material, **settings), vertices)
+        self.asked = (part, recipe_for(prompt, material, **settings), vertices)
         return self
 
     def branch(self, at, **changes):
@@ -103,7 +103,7 @@ def typed_in(cell):
 
 @pytest.mark.parametrize("settings", [*CASES, {"loads": [HELD]}], ids=lambda settings: ",".join(settings) or "defaults")
 def test_the_cell_makes_the_same_recipe(lane, settings):
-    wanted = draft(**{"prompt": "brick", **settings})
+    wanted = recipe_for(**{"prompt": "brick", **settings})
     part, made, _ = typed_in(cell_for(FakeLane(lane, wanted), [])).asked
     assert made.differences(wanted) == ()
     assert part == (("gallery:pen_holder",), {})
@@ -118,17 +118,17 @@ def test_the_cell_of_a_branch_branches(sheet):
 
 
 def test_the_command_of_a_plain_run_is_short(lane):
-    plain = FakeLane(lane, draft("brick"))
+    plain = FakeLane(lane, recipe_for("brick"))
     assert command_for(plain, []) == "mechstyle run gallery:pen_holder --prompt brick --out again-sheet"
 
 
 def test_freestyle_is_called_by_its_name(lane):
-    command = command_for(FakeLane(lane, draft("brick", freestyle=True)), [])
+    command = command_for(FakeLane(lane, recipe_for("brick", freestyle=True)), [])
     assert command == "mechstyle freestyle gallery:pen_holder --prompt brick --out again-sheet"
 
 
 def test_a_style_that_needs_weights_is_named_without_having_them(lane):
-    wanted = draft("brick").with_settings(prompt="a mossy ruin", guidance="clip", field="network", clip="b32@0123", crops=2)
+    wanted = recipe_for("brick").with_settings(prompt="a mossy ruin", guidance="clip", field="network", clip="b32@0123", crops=2)
     command = command_for(FakeLane(lane, wanted), [])
     assert "--prompt 'a mossy ruin' --guidance clip --field network --clip b32@0123 --set crops=2" in command
 

@@ -19,12 +19,6 @@ def test_features_have_their_nominal_size_on_a_part_of_100_mm_and_grow_with_it(h
     assert Canvas(cube.moved(100.0 * cube.vertices), 0).scale == 4.0
 
 
-def test_a_feature_the_mesh_carries_keeps_its_size_without_a_note(holder):
-    canvas = Canvas(holder, 0)
-    assert canvas.unit("stones", 3.0 * canvas.edge / canvas.scale) == canvas.scale
-    assert canvas.notes == []
-
-
 def test_a_feature_too_fine_is_enlarged_to_what_the_mesh_carries_and_a_note_says_by_how_much(holder):
     canvas = Canvas(holder, 0)
     unit = canvas.unit("joints", 0.5 * canvas.edge, edges=2.0)
@@ -55,10 +49,6 @@ def test_tools_of_one_seed_draw_the_same_and_of_another_seed_something_else(hold
     assert all(mine != other for mine, other in zip(drawn(4), drawn(5), strict=True))
 
 
-def test_uses_of_noise_with_different_salts_are_unrelated(canvas):
-    assert abs(np.corrcoef(canvas.noise(12.0, salt="a"), canvas.noise(12.0, salt="b"))[0, 1]) < 0.15
-
-
 def test_pieces_are_parted_by_what_is_outside_and_by_labels(holder, canvas):
     z = holder.vertices[:, 2]
     radius = np.hypot(holder.vertices[:, 0], holder.vertices[:, 1])
@@ -68,10 +58,3 @@ def test_pieces_are_parted_by_what_is_outside_and_by_labels(holder, canvas):
     assert pieces[wall & (z > 56.0)][0] != pieces[wall & (z < 44.0)][0]
     parted = canvas.pieces(wall, z > 50.0)
     assert len(np.unique(parted[wall])) == 2
-
-
-def test_softening_keeps_constants_and_calms_a_field_that_alternates(sphere):
-    canvas = Canvas(sphere, 0)
-    assert np.allclose(canvas.softened(np.full(len(sphere.vertices), 0.7)), 0.7)
-    noise = np.random.default_rng(0).normal(size=(len(sphere.vertices), 3))
-    assert 0.5 < canvas.softened(noise).std() < 0.8  # 0.65² + 0.35²/6, square root 0.67

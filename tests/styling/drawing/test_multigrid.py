@@ -7,7 +7,7 @@ from scipy.sparse.linalg import spsolve
 
 from mechstyle.styling.drawing import charts, multigrid
 from mechstyle.styling.drawing.charts import horizontal_lines, stripes, turning
-from mechstyle.styling.drawing.multigrid import Grids, independent, interpolation
+from mechstyle.styling.drawing.multigrid import Grids, interpolation
 from mechstyle.styling.drawing.operators import Operators
 
 
@@ -18,24 +18,6 @@ def wave(holder_operators):
     phase = 0.9 * mesh.vertices[:, 0]
     matrix = turning(operators, operators.weights, phase[operators.head] - phase[operators.tail])
     return np.concatenate([np.cos(phase), np.sin(phase)]), matrix, np.tile(mesh.vertex_areas, 2)
-
-
-def test_of_two_neighbours_at_most_one_stays_and_of_every_neighbourhood_at_least_one(holder_operators):
-    links = sp.csr_array(holder_operators.ring_mean)
-    stays = independent(links)
-    one, other = links.nonzero()
-    assert not np.any(stays[one] & stays[other])
-    assert np.all(stays | (links @ stays.astype(float) > 0.0))
-
-
-def test_a_wave_that_costs_nothing_is_interpolated_as_it_is(wave):
-    """However short it is beside the distance of the vertices that stay."""
-    known, matrix, _ = wave
-    assert np.abs(matrix @ known).max() < 1e-9
-    finer, count = interpolation(matrix), len(known) // 2
-    there = np.flatnonzero(np.diff(finer.indptr)[:count] == 1)
-    stays = there[np.argsort(finer[there].indices)]
-    assert finer @ known[np.concatenate([stays, stays + count])] == pytest.approx(known, abs=1e-9)
 
 
 def test_a_mirrored_wave_is_interpolated_mirrored(holder_operators, wave):

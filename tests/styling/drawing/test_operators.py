@@ -30,23 +30,6 @@ def test_transport_over_an_edge_and_back_is_no_turn(sphere):
     assert np.abs(np.linalg.norm(there, axis=1) - 1.0).max() < 1e-9
 
 
-def test_diffusion_keeps_the_mean_and_shrinks_the_spread(sphere):
-    operators = Operators(sphere)
-    values = np.random.default_rng(0).normal(size=len(sphere.vertices))
-    smooth = operators.diffused(values, 2.0)
-    assert abs(sphere.vertex_areas @ (smooth - values)) < 1e-9 * sphere.vertex_areas.sum()
-    assert smooth.std() < 0.3 * values.std()
-    assert np.allclose(operators.diffused(np.full(len(values), 2.5), 3.0), 2.5)
-
-
-def test_components_are_the_pieces_held_together_by_the_edges_kept(sphere):
-    operators = Operators(sphere)
-    above = sphere.vertices[:, 2] > 0.0
-    labels = operators.components(above[operators.tail] == above[operators.head])
-    assert len(np.unique(labels)) == 2
-    assert len(np.unique(labels[above])) == 1
-
-
 def test_the_slope_of_the_height_is_one_on_a_wall_and_scales_with_it(stand):
     operators = Operators(stand)
     z = stand.vertices[:, 2]

@@ -5,7 +5,7 @@ import pytest
 
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.styling.drawing.projection import around_projection, box_projection, planar_projection
-from styling.conftest import boxed, revolved
+from styling.conftest import boxed
 
 
 @pytest.fixture(scope="module")
@@ -56,23 +56,6 @@ def test_one_picture_lies_in_the_middle_of_each_side_and_fits_it(block):
     assert np.allclose([front.u[0], front.v[0]], 0.0)
 
 
-def test_slanted_places_share_sides_and_the_shares_add_up_to_one(sphere):
-    layers = box_projection(sphere, 5.0, 5.0, 1.0, repeated=True).layers(sphere.vertices, sphere.vertex_normals)
-    assert np.allclose(sum(layer.share for layer in layers), 1.0)
-
-
-def test_a_picture_from_one_side_fades_where_the_surface_turns_away(sphere):
-    layer = planar_projection(sphere, 5.0, 5.0, 1.0, repeated=True, end="right").layers(sphere.vertices, sphere.vertex_normals)[0]
-    facing = sphere.vertex_normals[:, 0]
-    assert np.allclose(layer.share[facing > 0.5], 1.0)
-    assert not layer.share[facing < 0.15].any()
-
-
-def test_in_doubt_it_comes_from_where_most_is_seen(block):
-    flat = block.moved(block.vertices * (1.0, 1.0, 0.2))
-    assert "from the top" in planar_projection(flat, 5.0, 5.0, 1.0, repeated=True).notes[0]
-
-
 @pytest.mark.parametrize("asked", [7.0, 20.0, 33.0, 900.0])
 def test_a_whole_number_of_pictures_goes_around_a_turned_part(holder, asked):
     projection = around_projection(holder, asked, asked, 1.0, repeated=True)
@@ -87,18 +70,6 @@ def test_around_the_back_the_picture_meets_itself(holder):
     side = projection.layers(back, np.tile([0.0, 1.0, 0.0], (2, 1)))[0]
     assert abs(side.u[0] - side.u[1]) > 1.0
     assert side.u[0] - side.u[1] == pytest.approx(round(side.u[0] - side.u[1]), abs=1e-4)
-
-
-def test_the_axis_is_found_where_the_part_was_put_whatever_else_is_on_it():
-    mug = revolved([(0, 0), (30, 0), (30, 60), (0, 60)])
-    there = turned(mug, 20.0, (70.0, -12.0, 5.0))
-    handle = boxed((3, 1, 5), lambda *_: True)
-    aside = handle.moved(handle.vertices + np.array([100.0, -14.0, 20.0]))
-    faces = np.vstack([there.faces, aside.faces + len(there.vertices)])
-    whole = SurfaceMesh(np.vstack([there.vertices, aside.vertices]), faces)
-    projection = around_projection(whole, 10.0, 10.0, 1.0, repeated=True)
-    assert np.allclose(projection.axis, [70.0, -12.0], atol=0.5)
-    assert projection.radius == pytest.approx(30.0, abs=1.0)
 
 
 def test_around_a_part_the_picture_is_read_to_the_right_outside_and_inside(holder):

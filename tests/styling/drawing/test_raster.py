@@ -22,12 +22,6 @@ def test_every_pixel_is_shown_where_it_lies_light_high_and_dark_low():
     assert np.allclose(seen.cover, 1.0)
 
 
-def test_sixteen_bits_tell_heights_apart_that_eight_do_not():
-    fine = Raster((np.arange(400, dtype=np.uint16).reshape(20, 20, 1) + 30000) * 2)
-    right = (np.arange(20) + 0.5) / 20 - 0.5
-    assert len(np.unique(fine.at(right, np.zeros(20), 0.0, repeated=True).height.round(6))) == 20
-
-
 def test_tiles_follow_each_other_without_a_seam_and_a_single_picture_ends():
     raster = Raster(RNG.integers(0, 256, (16, 16, 1)).astype(np.uint8))
     u, v = RNG.uniform(-0.5, 0.5, (2, 200))
@@ -52,25 +46,9 @@ def test_the_width_of_its_detail_is_half_the_period_of_stripes(period):
     assert raster.finest >= 0.4 * period / 240
 
 
-def test_a_thin_line_is_its_finest_part():
-    page = np.full((240, 240, 1), 255, np.uint8)
-    page[20:220, 20:100] = 0
-    assert Raster(page).finest > 0.25
-    page[:, 150:153] = page[:, 180:183] = page[:, 210:213] = 0
-    assert Raster(page).finest == pytest.approx(4.0 / 240)
-
-
 def test_edges_that_do_not_meet_are_a_seam():
     slope = np.tile(np.linspace(0, 255, 64).astype(np.uint8), (64, 1))[..., None]
     wave = np.tile((127 + 127 * np.cos(2.0 * np.pi * np.arange(64) / 64)).astype(np.uint8), (64, 1))[..., None]
     assert Raster(slope).seam > 0.5
     assert Raster(wave).seam < 0.05
     assert Raster(stripes(40)).seam < 0.05, "an edge like those within is none"
-
-
-def test_a_silhouette_has_an_outline_and_no_shades():
-    clear = np.zeros((8, 8, 4), np.uint8)
-    clear[2:6, 2:6] = (9, 9, 9, 255)
-    raster = Raster(clear)
-    assert (raster.clear, raster.shaded) == (True, False)
-    assert Raster(np.full((8, 8, 1), 7, np.uint8)).shaded is False

@@ -14,13 +14,6 @@ def test_poisson_points_of_one_side_keep_their_distance_and_leave_no_hole(sphere
     assert gaps.max() < 3.0
 
 
-def test_poisson_points_depend_on_the_seed_and_stay_among_the_vertices_allowed(sphere):
-    assert np.array_equal(poisson_disc(sphere, 3.0, seed=1), poisson_disc(sphere, 3.0, seed=1))
-    assert not np.array_equal(poisson_disc(sphere, 3.0, seed=1), poisson_disc(sphere, 3.0, seed=2))
-    above = sphere.vertices[:, 2] > 0.0
-    assert above[poisson_disc(sphere, 3.0, seed=1, among=above)].all()
-
-
 def test_the_two_sides_of_a_wall_do_not_share_cells(holder):
     radius = np.hypot(holder.vertices[:, 0], holder.vertices[:, 1])
     middle = np.abs(holder.vertices[:, 2] - 50.0) < 30.0

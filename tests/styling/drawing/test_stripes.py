@@ -14,27 +14,11 @@ def wrapped(cycles):
     return cycles - np.round(cycles)
 
 
-def test_lines_are_unit_tangents(holder, lines):
-    assert np.abs(np.linalg.norm(lines, axis=1) - 1.0).max() < 1e-9
-    assert np.abs(np.einsum("ij,ij->i", lines, holder.vertex_normals)).max() < 1e-9
-
-
 def test_lines_are_level_on_walls_and_point_so_that_rows_grow_upwards(holder, lines, outside):
     up = np.cross(holder.vertex_normals, lines)
     middle = outside & (np.abs(holder.vertices[:, 2] - 50.0) < 40.0)
     assert np.abs(lines[middle, 2]).max() < 0.001
     assert up[outside, 2].min() > 0.99  # the floor pulls a little at the ring next to it
-
-
-def test_lines_on_a_flat_floor_are_all_alike(holder, lines):
-    floor = (holder.vertices[:, 2] == 0.0) & (np.hypot(*holder.vertices[:, :2].T) < 24.0)
-    assert np.abs(lines[floor] @ lines[floor][0]).min() > 0.99
-
-
-def test_lines_on_a_sphere_run_along_the_parallels_away_from_the_poles(sphere, sphere_operators):
-    lines = horizontal_lines(sphere_operators)
-    belt = np.abs(sphere.vertices[:, 2]) < 8.0
-    assert np.abs(lines[belt, 2]).max() < 0.03
 
 
 def test_rows_on_a_wall_are_level_and_of_the_period_asked_for(holder, holder_operators, lines, outside):
@@ -98,7 +82,3 @@ def test_stripes_slide_to_where_they_are_wished(holder, holder_operators, lines,
         phase = stripes(holder_operators, up, 20.0, start=wish)
         error = wrapped(phase - holder.vertices[:, 2] / 20.0 - offset)[outside]
         assert np.abs(error).max() < 0.05
-
-
-def test_stripes_are_the_same_bytes_every_time(holder_operators, lines):
-    assert stripes(holder_operators, lines, 22.0).tobytes() == stripes(holder_operators, lines, 22.0).tobytes()

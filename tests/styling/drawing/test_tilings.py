@@ -3,15 +3,7 @@
 import numpy as np
 import pytest
 
-from mechstyle.styling.drawing.canvas import Bond, beneath, dome, fans, folded, hanging
-
-
-def test_a_folded_phase_is_the_way_to_the_nearest_whole_number():
-    assert folded(np.array([-1.25, -0.5, 0.0, 0.4, 0.6, 7.0])) == pytest.approx([0.25, 0.5, 0.0, 0.4, 0.4, 0.0])
-
-
-def test_a_dome_is_half_a_ball_on_a_plane():
-    assert dome(np.array([0.0, 0.6, 1.0, 3.0])) == pytest.approx([1.0, 0.8, 0.0, 0.0])
+from mechstyle.styling.drawing.canvas import Bond, beneath, fans, hanging
 
 
 def test_a_scale_and_the_one_beneath_it_meet_where_rows_do():

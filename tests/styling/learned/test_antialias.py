@@ -36,18 +36,6 @@ def test_straight_sides_cover_their_exact_share_and_move_it_with_them(left, righ
     assert torch.allclose(slopes, torch.tensor([-1.0, -2.0, 1.0, 2.0], dtype=torch.float64))
 
 
-def test_a_slanted_side_covers_its_exact_area_on_average():
-    corners = torch.tensor([(2.3, 1.6), (7.4, 2.9), (6.2, 8.3), (1.7, 6.4)], dtype=torch.float64)
-    points = torch.cat([corners * 20, torch.ones(4, 1, dtype=torch.float64)], dim=1)[None]
-    buffer = nearest_faces(points, FACES, 200, 200)
-    share = antialiased((face_of(buffer) >= 0).double().view(1, -1), points, edges_of(FACES), buffer, white, static=False)
-    x, y = (20 * corners).T
-    area = 0.5 * float((x * y.roll(-1) - y * x.roll(-1)).sum().abs())
-    assert share.min() >= 0.0
-    assert share.max() <= 1.0
-    assert float(share.sum()) == pytest.approx(area, rel=5e-4)
-
-
 def test_where_no_shape_may_depend_on_the_picture_outlines_past_the_last_slot_stay_hard(monkeypatch):
     sides = torch.tensor([2.25, 3.1, 6.75, 7.7], dtype=torch.float64)
     monkeypatch.setattr(antialias, "MOST_PARTED", 50)  # 5 slots for 200 pairs, those on rows first

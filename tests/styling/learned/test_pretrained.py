@@ -6,7 +6,6 @@ The folders hold random numbers under the real names; `Clip` is asked for embedd
 from __future__ import annotations
 
 import json
-import os
 import re
 import shutil
 import struct
@@ -14,17 +13,14 @@ from collections.abc import Callable
 from copy import deepcopy
 from pathlib import Path
 
-import numpy as np
 import pytest
 import torch
 import transformers
-from safetensors import numpy as tensors_of_numpy
 from safetensors.torch import load_file, save_file
 from transformers.utils import logging
 
 from mechstyle.errors import BadInput
 from mechstyle.styling.learned.clip import Clip
-from mechstyle.styling.learned.pretrained import files_of
 
 PROMPT = "a mossy brick, 2 of 3"
 WEIGHTS, INDEX, CONFIG = "model.safetensors", "model.safetensors.index.json", "config.json"
@@ -78,9 +74,6 @@ def refused(folder: Path, words: str) -> None:
     assert len(str(caught.value)) < 600
 
 
-# --- what is read -------------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("sharded", [False, True])
 @pytest.mark.parametrize(("kind", "least"), [(torch.float32, 1 - 1e-6), (torch.float16, 1 - 1e-3), (torch.bfloat16, 1 - 1e-2)])
 def test_weights_are_read_whole_or_in_shards_in_any_precision(folder, model, embedded, kind, least, sharded):
@@ -95,20 +88,6 @@ def test_weights_are_read_whole_or_in_shards_in_any_precision(folder, model, emb
 
 def map_of(folder: Path) -> dict[str, str]:
     return json.loads((folder / INDEX).read_text())["weight_map"]
-
-
-def test_the_files_are_those_that_a_model_is_made_of(folder, model, embedded):
-    transformers.CLIPModel(model.config).half().save_pretrained(folder, variant="fp16")  # other numbers
-    assert files_of(folder) == ("config.json", "merges.txt", WEIGHTS, "vocab.json")
-    assert (embedded(folder) > 1 - 1e-6).all()
-
-
-def test_positions_that_old_versions_saved_are_no_stranger(folder, embedded):
-    tensors = load_file(folder / WEIGHTS)
-    for tower, count in (("text", 77), ("vision", 17)):
-        tensors[f"{tower}_model.embeddings.position_ids"] = torch.arange(count)[None]
-    save_file(tensors, folder / WEIGHTS)
-    assert (embedded(folder) > 1 - 1e-6).all()
 
 
 @pytest.mark.parametrize(
@@ -154,69 +133,11 @@ def test_tokenizers_of_all_versions_give_the_numbers_that_transformers_gives(fol
     assert vocabulary["brick</w>"] in mine(PROMPT)["input_ids"]
 
 
-def test_a_folder_of_the_hubs_cache_is_read_through_its_links(folder, tmp_path, embedded):
-    """As the hub's client keeps what it fetched: snapshots of links to blobs."""
-    snapshot, blobs = tmp_path / "models--me--clip" / "snapshots" / "0abc", tmp_path / "models--me--clip" / "blobs"
-    snapshot.mkdir(parents=True)
-    blobs.mkdir()
-    for number, path in enumerate(sorted(folder.iterdir())):
-        path.rename(blobs / str(number))
-        (snapshot / path.name).symlink_to(f"../../blobs/{number}")
-    assert (embedded(snapshot) > 1 - 1e-6).all()
-
-
-# --- what is missing or cut off -----------------------------------------------------------------------------------
-
-
 def test_no_tensor_that_is_missing_is_filled_with_random_numbers(folder):
     tensors = load_file(folder / WEIGHTS)
     for name in list(tensors)[::7]:
         save_file({other: value for other, value in tensors.items() if other != name}, folder / WEIGHTS)
         refused(folder, f"the tensor {re.escape(name)} has the shape None")
-
-
-def test_a_shard_that_is_missing_or_lacks_what_the_index_promises_is_named(folder, model):
-    (folder / WEIGHTS).unlink()
-    model.save_pretrained(folder, max_shard_size="20KB")
-    shard = folder / map_of(folder)[LAYER]
-    tensors = load_file(shard)
-    del tensors[LAYER]
-    save_file(tensors or {"nothing": torch.zeros(1)}, shard)
-    refused(folder, f"the tensor {re.escape(LAYER)} has the shape None")
-    shard.unlink()
-    refused(folder, f"'{shard.name}' is missing")
-
-
-@pytest.mark.parametrize("kept", [0, 4, 8, 1000, -1])
-def test_truncated_weights_are_refused(folder, kept):
-    data = (folder / WEIGHTS).read_bytes()
-    (folder / WEIGHTS).write_bytes(data[:kept])
-    refused(folder, "is damaged, or is no whole CLIP")
-
-
-@pytest.mark.parametrize("name", [CONFIG, "vocab.json", "merges.txt"])
-def test_truncated_text_is_refused(folder, name):
-    if name == "merges.txt":
-        (folder / name).write_text("#version: 0.2\na b")
-    else:
-        (folder / name).write_bytes((folder / name).read_bytes()[:-50])
-    refused(folder, "is damaged, or is no whole CLIP")
-
-
-@pytest.mark.parametrize("name", [CONFIG, WEIGHTS, "vocab.json"])
-def test_a_file_that_is_not_there_is_named(folder, name):
-    (folder / name).unlink()
-    refused(folder, f"holds no CLIP weights: .*{re.escape(name)}.* missing; save a CLIPModel and tokenizer")
-
-
-def test_numbers_that_are_none_are_refused(folder):
-    tensors = load_file(folder / WEIGHTS)
-    tensors[LAYER][0, 0] = torch.nan
-    save_file(tensors, folder / WEIGHTS)
-    refused(folder, f"{re.escape(LAYER)} .* holds what is no number")
-
-
-# --- what is something else ---------------------------------------------------------------------------------------
 
 
 def test_pickled_weights_are_not_read_and_their_user_is_told_what_to_do(folder, model):
@@ -229,51 +150,6 @@ def test_pickled_weights_are_not_read_and_their_user_is_told_what_to_do(folder, 
 def test_another_model_is_named(folder, kind):
     edited(folder / CONFIG, lambda config: config.update(model_type=kind))
     refused(folder, f"it is of a '{kind}' model, not of a 'clip'")
-
-
-@pytest.mark.parametrize("tower", ["text_config", "vision_config"])
-def test_a_config_of_another_size_is_refused(folder, tower):
-    edited(folder / CONFIG, lambda config: config[tower].update(intermediate_size=65))
-    refused(folder, r"the tensor .* has the shape .* but config\.json asks for")
-
-
-def test_more_layers_than_the_config_says_are_refused(folder):
-    edited(folder / CONFIG, lambda config: config["vision_config"].update(num_hidden_layers=1))
-    refused(folder, r"vision_model\.encoder\.layers\.1.* but config\.json asks for None")
-
-
-def test_whole_numbers_are_no_weights(folder):
-    tensors = tensors_of_numpy.load_file(folder / WEIGHTS)
-    tensors[LAYER] = tensors[LAYER].astype(np.int8)
-    tensors_of_numpy.save_file(tensors, folder / WEIGHTS)
-    refused(folder, f"the tensor {re.escape(LAYER)} has the shape None")
-
-
-def test_a_tokenizer_of_another_kind_is_refused(folder):
-    transformers.CLIPTokenizer(json.loads((folder / "vocab.json").read_text()), []).save_pretrained(folder)
-    (folder / "merges.txt").unlink()
-    edited(folder / "tokenizer.json", lambda saved: saved["model"].update(end_of_word_suffix=None))
-    refused(folder, "tokenizer.json is damaged, .*CLIP's words end in")
-    edited(folder / "tokenizer.json", lambda saved: saved["model"].update(type="WordPiece"))
-    refused(folder, "tokenizer.json is damaged")
-
-
-def test_a_tokenizer_of_another_model_is_refused(folder):
-    words = json.loads((folder / "vocab.json").read_text())
-    (folder / "vocab.json").write_text(json.dumps({**words, "one more": len(words)}))
-    refused(folder, "its tokenizer is of another model")
-    del words["<|endoftext|>"]
-    (folder / "vocab.json").write_text(json.dumps(words))
-    refused(folder, "is damaged, or is no whole CLIP")
-
-
-def test_a_folder_that_is_none_is_told(tmp_path):
-    (tmp_path / "file").touch()
-    for path in (tmp_path / "nowhere", tmp_path / "file"):
-        refused(path, f"{path} is no folder")
-
-
-# --- what somebody forged -----------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("outside", ["../secret.safetensors", "/etc/passwd", "sub/model.safetensors", "..", "", "a\0b"])
@@ -292,17 +168,6 @@ def test_a_link_out_of_the_folder_is_refused(folder, tmp_path, name):
     refused(folder, f"'{name}' leads out of .*: put the file itself into the folder")
 
 
-def test_links_in_a_circle_and_what_is_no_file_are_refused(folder):
-    (folder / WEIGHTS).unlink()
-    os.mkfifo(folder / WEIGHTS)  # opened, it would wait for ever
-    refused(folder, "is missing or no file")
-    (folder / WEIGHTS).unlink()
-    (folder / INDEX).write_text(json.dumps({"weight_map": {"logit_scale": "a"}}))
-    (folder / "a").symlink_to("b")
-    (folder / "b").symlink_to("a")
-    refused(folder, "is missing or no file")
-
-
 def header(entries: dict[str, object], length: int | None = None, data: int = 0) -> bytes:
     """A safetensors file with a header of one's own."""
     text = json.dumps(entries).encode()
@@ -313,47 +178,14 @@ def header(entries: dict[str, object], length: int | None = None, data: int = 0)
     "data",
     [
         header({}, length=2**63),
-        header({}, length=2**40),
         header({}, length=16 << 20),
         header({LAYER: {"dtype": "F32", "shape": [10**6, 10**6], "data_offsets": [0, 4 * 10**12]}}, data=64),
-        header({LAYER: {"dtype": "F32", "shape": [2**40, 2**40], "data_offsets": [0, 64]}}, data=64),
         header({LAYER: {"dtype": "F32", "shape": [64, 32], "data_offsets": [0, 64]}}, data=64),
         header({name: {"dtype": "F32", "shape": [4], "data_offsets": [at, at + 16]} for name, at in (("a", 0), ("b", 8))}, data=24),
-        b"\x80\x04pickled" + bytes(2000),
         b"[" * 100_000,
     ],
-    ids=["longest", "long", "longer than the file", "gigabytes", "overflow", "too few bytes", "overlapping", "pickle", "brackets"],
+    ids=["longest", "longer than the file", "gigabytes", "too few bytes", "overlapping", "brackets"],
 )
 def test_headers_that_lie_are_refused_before_anything_is_allocated(folder, data):
     (folder / WEIGHTS).write_bytes(data)
     refused(folder, "is damaged, or is no whole CLIP")
-
-
-@pytest.mark.parametrize(
-    "change",
-    [
-        lambda config: config["text_config"].update(hidden_size=10**18),
-        lambda config: config["text_config"].update(num_hidden_layers=10**6),
-        lambda config: config["vision_config"].update(patch_size=0),
-        lambda config: config["vision_config"].update(image_size=-32),
-        lambda config: config["vision_config"].update(hidden_size=1 << 20),
-        lambda config: config["vision_config"].update(num_attention_heads=3),
-        lambda config: config["vision_config"].update(hidden_act="__import__"),
-        lambda config: config.update(text_config=[1]),
-    ],
-)
-def test_sizes_that_no_model_has_are_refused(folder, change):
-    edited(folder / CONFIG, change)
-    refused(folder, "is damaged, or is no whole CLIP")
-
-
-def test_json_that_is_deep_or_long_is_refused(folder):
-    (folder / CONFIG).write_text("[" * 100_000)
-    refused(folder, f"{CONFIG} is damaged")
-    (folder / CONFIG).write_text('{"model_type": ' + '{"a":' * 100_000)
-    refused(folder, f"{CONFIG} is damaged")
-    with (folder / CONFIG).open("wb") as file:
-        file.truncate(1 << 40)  # a file of holes
-    refused(folder, "MiB, which no CLIP's has")
-    (folder / CONFIG).write_bytes(b"\xff\xfe\x00")
-    refused(folder, f"{CONFIG} is damaged")

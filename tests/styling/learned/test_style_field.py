@@ -95,38 +95,3 @@ def test_gradients_agree_with_finite_differences(points, text):
             central = (ahead - float(loss())) / 2e-6
             parameter.add_(direction, alpha=1e-6)
         assert central == pytest.approx(slope, rel=1e-5, abs=1e-6), name
-
-
-def test_at_first_nothing_is_drawn_and_everything_can_be_learnt_by_the_heads(points, text):
-    field = StyleField(TEXT)
-    colour, displacement = field(field.features(points), text)
-    assert not colour.any()
-    assert not displacement.any()
-    (colour.sum() + displacement.sum()).backward()
-    assert field.colour[2].weight.grad.any()
-    assert field.displacement[2].bias.grad.any()
-
-
-def test_the_seed_alone_decides_the_initial_weights_and_frequencies():
-    torch.manual_seed(0)
-    one = StyleField(TEXT, seed=7).state_dict()
-    undisturbed = torch.rand(1)
-    torch.manual_seed(1)
-    again, other = StyleField(TEXT, seed=7).state_dict(), StyleField(TEXT, seed=8).state_dict()
-    assert all(torch.equal(one[name], again[name]) for name in one)
-    assert not torch.equal(one["features.frequencies"], other["features.frequencies"])
-    torch.manual_seed(0)
-    assert torch.equal(undisturbed, torch.rand(1))
-
-
-def test_frequencies_have_the_published_deviation():
-    frequencies = StyleField(TEXT, seed=0).features.frequencies
-    assert float(frequencies.std()) == pytest.approx(12.0, rel=0.08)  # 768 values: 2.6 % standard error
-
-
-def test_standardising_leaves_a_flat_coordinate_at_zero():
-    flat = torch.randn(50, 3, generator=torch.Generator().manual_seed(0)) * torch.tensor([2.0, 5.0, 0.0]) + 3.0
-    found = standardised(flat)
-    assert torch.allclose(found.std(dim=0)[:2], torch.ones(2), atol=1e-5)
-    assert torch.allclose(found.mean(dim=0), torch.zeros(3), atol=1e-5)
-    assert not found[:, 2].any()

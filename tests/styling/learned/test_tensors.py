@@ -1,5 +1,4 @@
 import numpy as np
-import pytest
 import torch
 
 from mechstyle.pictures.visibility import visible
@@ -26,18 +25,6 @@ def outline(points, faces):
     return [ends(found) for found in edge[:, 0]], second[:, 0]
 
 
-def test_every_edge_is_listed_once_with_the_corners_of_its_faces(cube):
-    edges = edges_of(torch.tensor(cube.faces)).numpy()
-    assert len(edges) == 18  # 12 of the cube, 6 diagonals
-    for a, b, c, d in edges:
-        holders = [set(face) for face in cube.faces.tolist() if {a, b} <= set(face)]
-        assert sorted(map(sorted, holders)) == sorted(map(sorted, ({a, b, c}, {a, b, d})))
-
-
-def test_the_border_of_an_open_surface_has_one_face():
-    assert edges_of(SQUARE).tolist() == [[0, 1, 2, -1], [0, 2, 1, 3], [0, 3, 2, -1], [1, 2, 0, -1], [2, 3, 0, -1]]
-
-
 def test_an_outline_parts_the_pixels_it_passes_between_and_no_others():
     (right, below), second = outline(square(2.25, 3.0, 6.75, 7.0), SQUARE)
     rows = range(3, 7)
@@ -59,36 +46,6 @@ def test_a_hidden_outline_parts_nothing_and_one_in_front_does():
     assert hidden == [{}, {}]
 
 
-def test_an_outline_behind_a_tilted_screen_parts_nothing():
-    """What the screen shows left of the outline is nearer than what it shows right of it, as at a true outline."""
-    screen = square(0.2, 0.2, 9.8, 9.8)
-    screen[:, 2] = torch.tensor([1.0, 0.5, 0.5, 1.0])
-    hidden, _ = outline(torch.cat([screen, square(3.2, 3.2, 6.8, 6.8, depth=2.5)]), torch.cat([SQUARE, SQUARE + 4]))
-    assert hidden == [{}, {}]
-
-
-def test_of_two_outlines_between_two_pixels_the_outer_one_counts():
-    faces = torch.cat([SQUARE, SQUARE + 4])
-    points = torch.cat([square(2.25, 3.0, 6.6, 7.0, depth=1.0), square(2.25, 3.0, 6.8, 7.0, depth=1.1)])
-    (right, _), _ = outline(points, faces)
-    assert {right[row, 6] for row in range(3, 7)} == {(5, 6)}
-
-
-def test_a_steep_outline_just_behind_a_flat_one_does_not_count_beside_it():
-    """Both pass between the same two pixels of a row, and the pixel outside shows neither; the flat one counts on the columns."""
-    cut, behind = square(2.0, 0.34, 9.5, 9.5), square(3.0, 2.0, 6.8, 8.0, depth=2.0)
-    cut[1, 1] = 6.34  # its upper side falls by 0.8 a pixel, through (7.2, 4.5)
-    (right, below), _ = outline(torch.cat([cut, behind]), torch.cat([SQUARE, SQUARE + 4]))
-    assert (4, 6) not in right
-    assert below[3, 6] == below[4, 7] == (0, 1)
-
-
-def test_edges_are_followed_across_the_border_of_the_picture():
-    (right, below), _ = outline(square(-5.0, -5.0, 4.75, 40.0), SQUARE)
-    assert right == {(row, 4): (1, 2) for row in range(SIZE)}
-    assert below == {}
-
-
 def test_the_z_buffer_is_that_of_the_pictures(sphere):
     shift = np.array([[(0.0, 0.0, 20.0)], [(3.0, -2.0, 17.0)]])
     points = sphere.vertices * (1.0, 1.0, -1.0) + shift  # z is depth here
@@ -97,14 +54,6 @@ def test_the_z_buffer_is_that_of_the_pictures(sphere):
     faces = torch.tensor(sphere.faces, dtype=torch.int32)
     found = face_of(nearest_faces(pixels, faces, 64, 64, cull=False)).numpy()
     assert (found == visible(ndc, sphere.faces, 64, 64).face).mean() > 0.998  # the grids of the two differ in fineness
-
-
-@pytest.mark.parametrize("bad", [(float("nan"), 0.0, 1.0), (0.0, 0.0, 0.0), (0.0, 0.0, -1.0), (1e9, 0.0, 1.0)])
-def test_a_face_with_a_corner_that_cannot_be_drawn_is_left_out(bad):
-    points = square(0.0, 0.0, 10.0, 10.0)
-    points[3] = torch.tensor(bad)  # a corner of the second face only
-    seen = face_of(nearest_faces(points[None], SQUARE, SIZE, SIZE))
-    assert set(seen.unique().tolist()) == {-1, 0}
 
 
 def test_compilers_are_told_the_truth_about_the_operators():

@@ -13,9 +13,10 @@ import pytest
 
 from mechstyle.errors import BadInput
 from mechstyle.records import Doubt, sentences
-from mechstyle.runs.recipes import draft
+from mechstyle.runs.recipes import recipe_for
 from mechstyle.runs.run import Run
 from mechstyle.runs.stylizers import finished_style
+from mechstyle.simulation import foresight
 from mechstyle.simulation.part import Shape
 from mechstyle_widgets import jupyter
 from mechstyle_widgets.jupyter import frame
@@ -25,9 +26,11 @@ from mechstyle_widgets.jupyter.terms import terms
 from mechstyle_widgets.panels.branches import most_bent, side_by_side
 from mechstyle_widgets.panels.result import carried
 from mechstyle_widgets.settings.thumbnail_buttons import PictureChoice
+from mechstyle_widgets.state.studio_state import FREE
 from mechstyle_widgets.studio import Studio
 from mechstyle_widgets.timeline.timeline import Curves
 from mechstyle_widgets.viewer.badge import in_full
+from support import ROOT
 from support.german import MARKUP, english_in, plain
 from support.records import load_row, published_row, row, verdict
 
@@ -115,10 +118,18 @@ def walked(studio: Studio) -> set[str]:
         see()
         group.unfolded = False
     studio.drop_options.poses, studio.drop_options.orientations, studio.drop_options.strengthen = "box26", 9, 0.4
-    studio.viewer._clicks(tuple(studio.viewer.at_rest.vertices[0].tolist()))
+    studio.viewer._clicks(tuple(studio.viewer.undeformed.vertices[0].tolist()))
     studio.viewer.probed, studio.viewer.tool = 0, "measure"
     see()
     return found
+
+
+def test_what_a_pattern_is_made_of_has_a_german_word():
+    """Of bricks that are drawn larger than asked a German read "Mortar joints werden 1.9 × größer gezeichnet"."""
+    source = "\n".join(path.read_text(encoding="utf-8") for path in (ROOT / "mechstyle" / "styling").rglob("*.py"))
+    made_of = set(re.findall(r'canvas\.unit\("([^"]+)"', source))
+    assert len(made_of) > 50
+    assert {one for one in made_of if f"{one} of {{}}" not in GERMAN} == set()
 
 
 def test_what_is_said_is_in_the_table(done, tmp_path):
@@ -226,8 +237,43 @@ def test_there_is_an_entry_for_every_language_and_no_other_language():
 def test_what_is_known_of_a_drawing_is_german_too(cube):
     """A note names the finest feature of a style, of which there are as many as styles."""
     shape = Shape(cube, np.full(len(cube.vertices), 1.0, np.float32))
-    drawn = [finished_style(shape, draft(prompt, relief=relief)) for prompt in ("tiny brick", "knit") for relief in (None, 4.0)]
+    drawn = [finished_style(shape, recipe_for(prompt, relief=relief)) for prompt in ("tiny brick", "knit") for relief in (None, 4.0)]
     notes = {note for style in drawn for note in style.notes}
     assert len(notes) > 2
     speak("de")
     assert {note: found for note in notes if (found := english_in(said(note)))} == {}
+
+
+def test_two_studios_of_one_kernel_each_speak_their_own_language(done):
+    """All spoke the language of the last: what the first said from then on was of another than its labels."""
+    german, english = Studio(done, language="de"), Studio(done, language="en")
+    found = {}
+    for studio in (german, english):
+        studio.prompt_box.prompt = "Quatsch"
+        click(studio.run_controls._buttons["run"])
+        studio.state.layer, studio.state.iteration, studio.state.pinned = "stays_bent", 4, ("main", 12)
+        studio.mask_inspector._slider.value = 0.2
+        studio.prompt_box.prompt = "stone"
+        studio.drop_options.orientations = 9
+        for group in studio._groups:
+            group.unfolded = True
+        found[studio] = labels(studio) | sentences_of(studio)
+    assert {text: wrong for text in found[german] if (wrong := english_in(text))} == {}
+    only_german = set(GERMAN.values()) - set(GERMAN)
+    assert found[english] & only_german == set()
+    assert len(found[german] & only_german) > 50
+
+
+def test_what_helps_and_what_would_not_is_german(monkeypatch):
+    monkeypatch.setattr(foresight, "OUT_OF_REACH", 0.5)  # one of the two is out of reach
+    studio = Studio(language="de")
+    studio.state.branches, studio.state.lane = [one for one in studio.state.branches if one.lane == FREE], FREE
+    words, *buttons, useless = studio.next_steps.children
+    assert (len(buttons), len(studio.next_steps.useless)) == (2, 1)
+    shown = {words.value, useless.value.removeprefix("<div>").removesuffix("</div>"), *(one.description for one in buttons)}
+    assert {text: wrong for text in shown if (wrong := english_in(text))} == {}
+
+
+def click(button: ipywidgets.Button) -> None:
+    """What a page says when a button is pressed."""
+    button._handle_msg({"content": {"data": {"method": "custom", "content": {"event": "click"}}}})

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import threading
 
-from mechstyle_widgets.jupyter.throttle import Newest
+from mechstyle_widgets.jupyter.throttle import LatestOnly
 
 
 def asked_while_it_works(*wishes, then=lambda _: None, raises=()):
@@ -24,7 +24,7 @@ def asked_while_it_works(*wishes, then=lambda _: None, raises=()):
                 raise ValueError(wish)
             return 2 * wish
 
-        newest = Newest(work, lambda wish, answer: brought.append((wish, answer, threading.current_thread())))
+        newest = LatestOnly(work, lambda wish, answer: brought.append((wish, answer, threading.current_thread())))
         end, newest._end = newest._end, lambda *given: (end(*given), newest._busy or ended.set())
         for wish in wishes:
             newest.ask(wish)
@@ -38,7 +38,7 @@ def asked_while_it_works(*wishes, then=lambda _: None, raises=()):
 
 def test_without_a_loop_it_works_at_once():
     brought = []
-    Newest(lambda wish: 2 * wish, lambda *told: brought.append(told)).ask(3)
+    LatestOnly(lambda wish: 2 * wish, lambda *told: brought.append(told)).ask(3)
     assert brought == [(3, 6)]
 
 
@@ -50,7 +50,7 @@ def test_of_what_comes_while_it_works_the_last_counts():
 
 
 def test_what_is_cancelled_is_not_brought():
-    brought, worked, _ = asked_while_it_works(1, 2, then=Newest.cancel)
+    brought, worked, _ = asked_while_it_works(1, 2, then=LatestOnly.cancel)
     assert brought == []
     assert [wish for wish, _ in worked] == [1]
 

@@ -93,3 +93,20 @@ def test_without_an_event_loop_it_is_heard_where_it_is_said(slid):
     page.start()
     page.join(30.0)
     assert heard == [(3, page)]
+
+
+def test_what_waited_while_its_widget_was_closed_is_not_heard(slid, monkeypatch):
+    """A page told of the faces of a part that had been closed meanwhile, by the id of a buffer that was gone."""
+    monkeypatch.setattr(one_thread, "LONGEST", 0.01)
+    slider, heard = slid
+
+    async def main():
+        hear_on_one_thread()
+        page = threading.Thread(target=lambda: say(slider, 3))
+        page.start()
+        page.join()  # a cell is at work
+        slider.close()
+        await asyncio.sleep(0)
+
+    asyncio.run(main())
+    assert heard == []

@@ -15,12 +15,6 @@ def test_a_drawing_is_xml_that_a_screen_reader_can_tell():
     assert (svg.get("role"), svg.get("aria-label")) == ("img", 'so "many" <things>')
 
 
-def test_places_span_the_frame():
-    frame = Frame(0.0, 10.0, width=100, height=50, left=10, right=10, above=5, below=15)
-    assert [frame.x(value) for value in (-1.0, 0.0, 5.0, 10.0, 99.0)] == [10.0, 10.0, 50.0, 90.0, 90.0]
-    assert [frame.y(value) for value in (0.0, 0.5, 1.0, 2.0)] == [35.0, 20.0, 5.0, 5.0]
-
-
 @pytest.mark.parametrize("value", [0.0, 0.4, 1.0])
 def test_words_at_a_mark_stay_inside(value):
     frame = Frame(0.0, 1.0)

@@ -11,15 +11,7 @@ from comm import get_comm_manager
 
 from mechstyle_widgets.jupyter.cell_output import OncePerCell
 from mechstyle_widgets.jupyter.looks import close_family
-from mechstyle_widgets.jupyter.throttle import SHORTEST_WAIT, Paced
-
-
-def test_without_a_loop_it_acts_at_once():
-    seen = []
-    paced = Paced(lambda: seen.append(1))
-    paced()
-    paced()
-    assert seen == [1, 1]
+from mechstyle_widgets.jupyter.throttle import SHORTEST_WAIT, Throttled
 
 
 def test_in_a_loop_the_latest_wins():
@@ -31,7 +23,7 @@ def test_in_a_loop_the_latest_wins():
         nonlocal latest
         loop = asyncio.get_running_loop()
         loop.call_later = lambda wait, act: asked.append((wait, act)) or SimpleNamespace(cancel=lambda: None)
-        paced = Paced(lambda: seen.append(latest))
+        paced = Throttled(lambda: seen.append(latest))
         for latest in range(1, 51):  # noqa: B007 — read by what is paced
             paced()
         assert len(asked) == 1
@@ -43,18 +35,6 @@ def test_in_a_loop_the_latest_wins():
     assert seen == [50]
     assert len(asked) == 2
     assert 0.0 < asked[1][0] <= SHORTEST_WAIT
-
-
-def test_what_is_cancelled_does_not_happen():
-    async def close_while_waiting() -> list[int]:
-        seen = []
-        paced = Paced(lambda: seen.append(1))
-        paced()
-        paced.cancel()
-        await asyncio.sleep(0)
-        return seen
-
-    assert asyncio.run(close_while_waiting()) == []
 
 
 class Shown(OncePerCell, ipywidgets.HTML):

@@ -6,8 +6,9 @@ from mechstyle.errors import MissingPiece
 from mechstyle.records.load_cases import Load, LoadCase, Support
 from mechstyle.records.regions import Inside
 from mechstyle.records.sentences import found
+from mechstyle.runs.run import Draft
 from mechstyle_widgets.panels.branches import Branches, most_bent, said, said_of, side_by_side
-from mechstyle_widgets.state.controller import Controller, Wanted
+from mechstyle_widgets.state.controller import Controller
 from mechstyle_widgets.state.studio_state import StudioState
 from support.records import UNKNOWN, load_row, published_row, row, verdict
 
@@ -15,13 +16,13 @@ from support.records import UNKNOWN, load_row, published_row, row, verdict
 @pytest.fixture
 def branches(done):
     """The lanes of a finished run with a branch; it is only looked at."""
-    return Branches(Controller(StudioState(done), lambda: Wanted(done.recipe, None, 500, "sheet")))
+    return Branches(Controller(StudioState(done), lambda: Draft(done.recipe, done.part, 500, "sheet")))
 
 
 def test_lanes_are_listed_with_where_they_come_from(branches):
     words = [words for words, _ in branches._choice.options]
-    assert words[0].endswith("MechStyle: 12 iterations")
-    assert words[1].endswith("soft: 12 iterations, from MechStyle at 6")
+    assert words[0].endswith("MechStyle · 12")
+    assert words[1].endswith("soft · 12, from MechStyle · 6")
 
 
 def test_choosing_a_lane_shows_it_and_what_it_changed(branches):
@@ -40,8 +41,7 @@ def test_two_iterations_are_compared_in_settings_and_results(branches):
     branches.state.lane, branches.state.iteration = "soft", 9
     table = {name: (there, here) for name, there, here in branches.comparison()}
     assert table["control"] == ("faster than evenly", "evenly")
-    assert table["iteration"] == ("4", "9")
-    assert table["simulated because"] == ("every 4 iterations", "every 3 iterations")
+    assert table["tested because"] == ("every 4 iterations", "every 3 iterations")
     tested = (branches.state.row(4, "main").verdict, branches.state.row(9, "soft").verdict)
     assert table["outcome"] == tuple(said_of(verdict) for verdict in tested)
     assert table["flat"] == tuple(found(verdict.row(landing="flat")) for verdict in tested)
@@ -74,7 +74,7 @@ def test_a_branch_from_the_iteration_on_show_takes_what_was_changed_at_the_left(
     assert branches.trouble == "", "it is about what was asked for, and stays no longer than that"
     controller.state.iteration = 5
     changed = controller.state.run.recipe.with_settings(every=2)
-    controller.wanted = lambda: Wanted(changed, None, 500, "sheet")
+    controller.wanted = lambda: Draft(changed, controller.state.run.part, 500, "sheet")
     branches._name.value = "often"
     assert branches._branch.description == "branch from iteration 5"
     branches._branch.click()
@@ -89,7 +89,7 @@ def test_a_branch_has_the_very_settings_of_the_left_column(controller, settle):
     controller.run()
     settle(controller)
     shown = controller.state.run.recipe.with_settings(control="frozen", poses="resting")
-    controller.wanted = lambda: Wanted(shown, None, 500, "sheet")
+    controller.wanted = lambda: Draft(shown, controller.state.run.part, 500, "sheet")
     controller.state.iteration = 5
     branches._branch.click()
     settle(controller)

@@ -20,7 +20,7 @@ def studio():
 
 
 def top_of(studio):
-    vertices = studio.viewer.at_rest.vertices
+    vertices = studio.viewer.undeformed.vertices
     return tuple(vertices[vertices[:, 2].argmax()].tolist())
 
 

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from mechstyle.records.checkpoint import restrained
+from mechstyle.runs.run import Draft
 from mechstyle_widgets.panels.mask_inspector import LAYER, MaskInspector, plots
-from mechstyle_widgets.state.controller import Controller, Wanted
+from mechstyle_widgets.state.controller import Controller
 from mechstyle_widgets.state.studio_state import StudioState
 
 
@@ -37,7 +38,7 @@ def test_a_stricter_threshold_freezes_more_at_once(inspector):
         held = float(restrained(inspector.would_be).mean())
     assert frozen == sorted(frozen)
     assert frozen[-1] > frozen[0]
-    assert f"would be {held:.1%}. “Use this” goes on from iteration 8" in inspector._note.value
+    assert f"now, {held:.1%} with this. “Use this” goes on from iteration 8" in inspector._note.value
 
 
 def test_the_plots_follow_threshold_and_iteration(inspector):
@@ -79,7 +80,7 @@ def test_it_is_a_layer_for_the_viewer(inspector):
 
 
 def test_without_a_run_there_is_nothing_to_inspect():
-    inspector = MaskInspector(Controller(StudioState(), lambda: Wanted(None, None, 500, "part")))
+    inspector = MaskInspector(Controller(StudioState(), lambda: Draft(None, None, 500, "part")))
     assert inspector._use.disabled
     assert "run something first" in inspector._note.value
 

@@ -7,8 +7,10 @@ from types import SimpleNamespace
 import msgspec
 import pytest
 
-from mechstyle.records import Doubt, sentences
+from mechstyle.records import Doubt, Recipe, sentences
+from mechstyle.records.material import LIBRARY
 from mechstyle.runs.summary import little_left
+from mechstyle.simulation.estimate import estimated
 from mechstyle_widgets.panels import result
 from mechstyle_widgets.panels.result import Result, figures, of_show, steps
 from mechstyle_widgets.state.on_show import OnShow
@@ -38,18 +40,26 @@ def told(one):
     ],
 )
 def test_a_plan_is_given_step_by_step(changed, expected):
-    said = steps({**SETTINGS, **changed})
+    said = [step for step, _, _ in steps({**SETTINGS, **changed})]
     assert said[0].startswith("Drop the plain part flat")
     assert any(step == expected or step.startswith(f"{expected} ") for step in said), said
 
 
 def test_what_is_dropped_at_the_end_only_is_not_dropped_on_the_way():
-    assert not any("on the way" in step for step in steps({**SETTINGS, "schedule": "never"}))
+    assert not any("on the way" in step for step, _, _ in steps({**SETTINGS, "schedule": "never"}))
 
 
 def test_thickening_comes_before_all_else_where_it_is_asked_for():
-    assert steps({**SETTINGS, "strengthen": 1.5})[0].startswith("Thicken it by up to 1.5 mm")
-    assert not any("hicken" in step for step in steps({**SETTINGS, "strengthen": 0.0}))
+    assert steps({**SETTINGS, "strengthen": 1.5})[0][0].startswith("Thicken it by up to 1.5 mm")
+    assert not any("hicken" in step for step, _, _ in steps({**SETTINGS, "strengthen": 0.0}))
+
+
+@pytest.mark.parametrize("changed", [{}, {"nearly_flat": False}, {"orientations": 5}, {"guarantee": False}, {"schedule": "never"}], ids=str)
+def test_the_falls_of_all_steps_are_those_that_stand_at_the_run(changed):
+    """The line at *Run* told of 33 falls, and the list of two times in three landings."""
+    settings = {**SETTINGS, **changed}
+    told = estimated(Recipe.of(prompt="brick", material=LIBRARY["PLA"], **settings), 2000).falls
+    assert sum(count + more for _, count, more in steps(settings)) == told
 
 
 def test_nothing_is_promised_while_the_settings_are_not_known():
@@ -149,7 +159,7 @@ def test_a_part_that_cracks_says_so_under_its_figure():
 
 def test_what_was_not_tested_has_no_figure_of_another_test():
     told = figures(OnShow("sheet, brick", verdict=None, tested_at=5))
-    assert "NOT TESTED since iteration 5" in told
+    assert "<dt>stays bent</dt><dd>–</dd><dd><small></small></dd>" in told, "the head over it says that it was not tested"
     assert "mm" not in told
 
 

@@ -31,8 +31,3 @@ def test_a_coarse_part_becomes_fine_enough_and_keeps_its_shape(cube):
     assert FACES / 2 < len(fine.faces) < 4 * FACES
     assert np.allclose(fine.extents, cube.extents)
     assert fine.face_areas.sum() == pytest.approx(cube.face_areas.sum(), rel=1e-9)
-
-
-def test_a_part_with_colours_of_its_own_stays_as_it_is(cube):
-    coloured = cube.coloured(np.zeros_like(cube.vertices))
-    assert paintable(coloured) is coloured

@@ -43,33 +43,6 @@ def test_at_first_it_is_drawn_for_a_flat_landing():
     assert ControlSelector(PLA).typical_stress == pytest.approx(11.3, abs=0.1)
 
 
-def test_mouse_and_python_set_the_same():
-    selector = ControlSelector(PLA)
-    selector._strategy.value = "frozen"
-    assert selector.control == "frozen"
-    selector.threshold = 0.5
-    assert selector._threshold.value == 0.5
-
-
-def test_lambda_is_offered_where_it_counts():
-    selector = ControlSelector(PLA)
-    assert selector._lambda.layout.display == "none"
-    selector.normalisation = "sigma_c"
-    assert selector._lambda.layout.display != "none"
-
-
-def test_freestyle_has_nothing_to_set():
-    selector = ControlSelector(PLA)
-    selector._mode.value = True
-    assert selector.freestyle
-    assert selector._restraint.layout.display == "none"
-
-
-def test_the_folded_restraint_names_its_threshold():
-    assert ControlSelector(PLA, control="linear", threshold=0.5).brief == "evenly, stops at 0.5"
-    assert ControlSelector(PLA, freestyle=True).brief == "Freestyle"
-
-
 def test_it_takes_what_a_recipe_has():
     stricter = msgspec.structs.replace(PLA, safety_coefficient=0.4)
     recipe = Recipe.of(prompt="", material=stricter, control="linear", normalisation="sigma_c", threshold=0.7)

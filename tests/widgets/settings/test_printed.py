@@ -2,7 +2,6 @@
 
 from mechstyle.records.recipe import DEFAULTS, settings_of
 from mechstyle_widgets.settings.printed import OWN, PRESETS, PrintedPicker
-from support.records import recipe
 
 
 def test_it_begins_solid_and_has_every_setting_of_the_chapter():
@@ -33,16 +32,3 @@ def test_a_print_of_ones_own_is_offered_where_it_is_one():
     assert picker._preset.options[-1] == (OWN, OWN)
     picker.infill = 1.0
     assert (picker._preset.value, len(picker._preset.options)) == ("solid", len(PRESETS))
-
-
-def test_a_solid_part_is_said_to_be_the_exception():
-    picker = PrintedPicker()
-    assert "Few parts are printed solid" in picker._note.value
-    picker._preset.value = "3 walls, 15 % infill"
-    assert "lighter and softer" in picker._note.value
-
-
-def test_it_takes_what_a_recipe_has():
-    picker = PrintedPicker()
-    picker.take(recipe(infill=0.25, walls=2, infill_pattern="grid"))
-    assert (picker.infill, picker.walls, picker.infill_pattern, picker.chosen) == (0.25, 2, "grid", OWN)

@@ -31,11 +31,6 @@ def test_a_schedule_that_follows_the_surface_is_estimated_from_a_relief_that_gro
     assert "an estimate" in selector._note.value
 
 
-def test_high_stress_asks_for_more():
-    calm, tense = (len(ScheduleSelector(schedule=name, amplitude=0.5).plan.places) for name in ("geometry", "stress"))
-    assert tense > calm
-
-
 def test_the_preview_moves_with_every_parameter():
     selector = ScheduleSelector(schedule="every", every=50, iterations=200)
     seen = {selector._plot.value}
@@ -44,16 +39,3 @@ def test_the_preview_moves_with_every_parameter():
         setattr(selector, name, value)
         seen.add(selector._plot.value)
     assert len(seen) == 7
-
-
-def test_the_folded_schedule_says_every_how_many():
-    assert ScheduleSelector(schedule="every", every=5, iterations=20).brief == "20 iterations, every 5"
-    assert ScheduleSelector(schedule="never", iterations=20).brief == "20 iterations, only at the end"
-
-
-def test_only_parameters_that_count_are_offered():
-    selector = ScheduleSelector(schedule="every")
-    assert (selector._every.layout.display, selector._travel.layout.display) == (None, "none")
-    selector._choice.value = "stress"
-    assert selector.schedule == "stress"
-    assert (selector._every.layout.display, selector._travel.layout.display) == ("none", None)

@@ -12,13 +12,12 @@ from mechstyle.errors import BadInput
 from mechstyle.geometry.files import save
 from mechstyle.loop.engine import SimulationStarted
 from mechstyle.runs.report.reproduce import command_for
-from mechstyle.runs.run import Run
+from mechstyle.runs.run import Draft, Run
 from mechstyle.simulation.estimate import duration
 from mechstyle.simulation.part import Origin
 from mechstyle_widgets.panels.run_controls import RunControls
 from mechstyle_widgets.settings.part import PartPicker
 from mechstyle_widgets.state import controller as module
-from mechstyle_widgets.state.controller import Wanted
 
 
 def test_running_goes_to_the_end(controller, settle):
@@ -69,12 +68,12 @@ def test_what_is_paused_goes_on_if_the_settings_are_still_its_own(controller, se
 
 def test_other_settings_while_it_is_paused_begin_another_run_and_say_so(controller, settle, monkeypatch, tmp_path):
     """The old settings were carried on without a word."""
-    monkeypatch.setattr("mechstyle.simulation.strengthen.refilled", lambda given, *_: given)  # the sheet has no inside
+    monkeypatch.setattr("mechstyle.runs.run.refilled", lambda given, *_: given)  # the sheet has no inside
     controller.step()
     settle(controller)
     paused, session = controller.state.run, controller.state.session
     other = paused.recipe.with_settings(threshold=0.5)
-    controller.wanted = lambda: Wanted(other, None, 500, "sheet", str(tmp_path / "other"))
+    controller.wanted = lambda: Draft(other, controller.state.run.part, 500, "sheet", str(tmp_path / "other"))
     controller.step()
     assert session.state == "stopped"
     assert f"the run that was paused is kept in {paused.store.root}" in controller.state.message
@@ -141,11 +140,11 @@ def test_a_branch_that_cannot_be_is_said(controller, settle):
 
 def test_other_settings_begin_another_run_with_the_part_at_hand(controller, settle, monkeypatch, tmp_path):
     other = controller.state.run.recipe.with_settings(threshold=0.5)
-    controller.wanted = lambda: Wanted(other, None, 500, "sheet", str(tmp_path / "other"))
+    controller.wanted = lambda: Draft(other, controller.state.run.part, 500, "sheet", str(tmp_path / "other"))
     assert controller.differs() == {"threshold": 0.5}
     part = controller.state.run.part
-    monkeypatch.setattr(module, "prepare_aside", lambda *_, **__: pytest.fail("it is prepared already"))
-    monkeypatch.setattr("mechstyle.simulation.strengthen.refilled", lambda given, *_: given)  # the sheet has no inside
+    monkeypatch.setattr(module, "prepare_in_worker", lambda *_, **__: pytest.fail("it is prepared already"))
+    monkeypatch.setattr("mechstyle.runs.run.refilled", lambda given, *_: given)  # the sheet has no inside
     controller.step()
     settle(controller)
     assert controller.state.run.part.surface.digest == part.surface.digest
@@ -162,12 +161,12 @@ def test_another_thickening_begins_with_the_part_as_it_came(controller, settle, 
         meshes.append(mesh)
         return part
 
-    monkeypatch.setattr(module, "prepare_aside", prepared)
+    monkeypatch.setattr(module, "prepare_in_worker", prepared)
     unchanged = SimpleNamespace(result=sphere, noted=lambda prepared: prepared)
-    monkeypatch.setattr("mechstyle.simulation.strengthen.strengthened", lambda *_, **__: unchanged)
+    monkeypatch.setattr("mechstyle.runs.run.strengthened", lambda *_, **__: unchanged)
     for budget in (0.0, 1.0, 2.0):
         wanted = controller.state.run.recipe.with_settings(strengthen=budget)
-        controller.wanted = lambda wanted=wanted: Wanted(wanted, sphere, 500, "sheet", str(tmp_path / "begun"))
+        controller.wanted = lambda wanted=wanted: Draft(wanted, sphere, 500, "sheet", str(tmp_path / "begun"))
         controller.step()
         settle(controller)
         controller.stop()
@@ -179,7 +178,7 @@ def test_a_thickened_part_without_the_one_it_was_is_not_thickened_otherwise(cont
     run = controller.state.run
     run.__dict__["part"] = replace(run.part, mass_gained=3.0)  # a cached property
     other = run.recipe.with_settings(strengthen=2.0)
-    controller.wanted = lambda: Wanted(other, None, 500, "sheet", str(tmp_path / "other"))
+    controller.wanted = lambda: Draft(other, controller.state.run.part, 500, "sheet", str(tmp_path / "other"))
     controller.step()
     assert "was thickened already" in controller.state.message
     assert not (tmp_path / "other").exists()
@@ -196,9 +195,9 @@ def test_a_run_begun_here_can_be_made_again_from_its_report(controller, settle, 
         go_on()
         return part
 
-    monkeypatch.setattr(module, "prepare_aside", prepared)
+    monkeypatch.setattr(module, "prepare_in_worker", prepared)
     recipe = controller.state.run.recipe.with_settings(threshold=0.5)
-    controller.wanted = lambda: Wanted(recipe, picker.mesh, 900, picker.name, "begun")
+    controller.wanted = lambda: Draft(recipe, picker.mesh, 900, picker.name, "begun")
     controller.run()
     settle(controller)
     run = controller.state.run
@@ -237,7 +236,7 @@ def test_the_button_reads_what_pressing_it_does(controller, settle, tmp_path):
     other = controller.state.run.recipe.with_settings(threshold=0.5)
 
     def chosen(recipe):
-        controller.wanted = (lambda: Wanted(recipe, None, 500, "sheet", str(tmp_path / "other"))) if recipe else own
+        controller.wanted = (lambda: Draft(recipe, controller.state.run.part, 500, "sheet", str(tmp_path / "other"))) if recipe else own
         controller.state.settings = {"threshold": 0.5} if recipe else {}
         return controls._buttons["run"].description
 
@@ -281,7 +280,8 @@ def test_what_is_being_done_is_told(controller):
     controls = RunControls(controller)
     controller.state.tell(status="running", stage="drop test: every 4 iterations", step=0.42, seconds_left=130.0)
     controller.state.pump()
-    assert controls.words.endswith("drop test: every 4 iterations, 42% · about 2 min left")
+    assert controls.words.endswith("drop test, 42% · about 2 min left")
+    assert 'title="drop test: every 4 iterations"' in controls._line.value
 
 
 def test_trouble_is_set_apart_from_good_news(controller):
@@ -336,8 +336,8 @@ def test_filling_the_part_at_hand_for_another_style_can_be_stopped(controller, s
         pytest.fail("it went on although it was told to stop")
 
     other = controller.state.run.recipe.with_settings(threshold=0.5)
-    controller.wanted = lambda: Wanted(other, None, 500, "sheet", str(tmp_path / "other"))
-    monkeypatch.setattr("mechstyle.simulation.strengthen.refilled", filling)
+    controller.wanted = lambda: Draft(other, controller.state.run.part, 500, "sheet", str(tmp_path / "other"))
+    monkeypatch.setattr("mechstyle.runs.run.refilled", filling)
     controller.run()
     assert inside.wait(30.0)
     controller.stop()

@@ -2,13 +2,19 @@
 
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
+from mechstyle.pictures.fields import STAYS_BENT
+from mechstyle.pictures.panels import bent_panel
 from mechstyle.records import sentences
+from mechstyle.runs.run import Run
 from mechstyle_widgets.panels.result import Result
 from mechstyle_widgets.state.on_show import OnShow, on_show
 from mechstyle_widgets.state.outcomes import UNTESTED
-from mechstyle_widgets.state.studio_state import StudioState
+from mechstyle_widgets.state.studio_state import FREE, StudioState
+from mechstyle_widgets.studio import Studio
+from mechstyle_widgets.viewer import legend
 from mechstyle_widgets.viewer.run_viewer import RunViewer
 from support.told import outcomes
 
@@ -70,3 +76,24 @@ def test_the_relief_that_is_left_is_known_at_the_end_alone(done, monkeypatch):
     state = StudioState(done)
     assert on_show(state).kept == 0.8
     assert on_show(state, "main", 6).kept is None
+
+
+@pytest.mark.slow
+def test_whatever_tells_how_much_stays_bent_tells_the_figure_of_the_verdict(tmp_path):
+    """The legend said 0.54 mm, the largest of the surface, beside a verdict of 0.53 mm, of all that a small volume exceeds."""
+    studio = Studio()
+    studio.state.lane = FREE
+    state, viewer, run = studio.state, studio.viewer, Run(studio.run.store, FREE)
+    row, simulation = on_show(state).verdict.deciding, run.simulation()
+    figure, lengths = sentences.bend_in(row, row.permanent_set), np.linalg.norm(simulation.set_of(landing=row.landing), axis=1)
+    assert figure != sentences.bend(lengths.max()), "so that the test can tell them apart"
+    bent = viewer.subject.layer(STAYS_BENT)
+    assert (bent.text_at(bent.extremes()[0]), bent.scale.beyond(bent.values).any()) == (figure, True)
+    assert bent.values.max() == np.float32(row.permanent_set)
+    viewer.fly_to_worst()
+    viewer.places = (viewer.probed,)
+    brief = [viewer._said.value, viewer.badge._words.value, viewer._list.rows[0][2] + " mm", studio._result.value]
+    told = [*brief, legend.colour_bar(bent, viewer.subject.mesh), bent_panel(run.surface(), simulation, row).note]
+    written = run.exported(tmp_path / "part.3mf")
+    told += [*written.warnings, run.report(tmp_path / "part.html").read_text(encoding="utf-8")]
+    assert [figure in one for one in told] == [True] * len(told)

@@ -8,11 +8,11 @@ import pytest
 import trimesh
 
 from mechstyle.records.mesh import SurfaceMesh
-from mechstyle.runs.recipes import draft
+from mechstyle.runs.recipes import recipe_for
 from mechstyle.runs.stylizers import finished_style
 from mechstyle.simulation.part import Shape
 from mechstyle_widgets.jupyter import prepare
-from mechstyle_widgets.jupyter.prepare import shape_aside
+from mechstyle_widgets.jupyter.prepare import shape_in_worker
 from mechstyle_widgets.state import preview as module
 from mechstyle_widgets.state.preview import Previewer
 
@@ -44,7 +44,7 @@ def prepared(monkeypatch):
         go_on()
         return Shape(mesh, np.full(len(mesh.vertices), 8.0, np.float32))
 
-    monkeypatch.setattr(module, "shape_aside", at_once)
+    monkeypatch.setattr(module, "shape_in_worker", at_once)
     monkeypatch.setattr(module, "WAIT", 0.01)
     monkeypatch.setattr(module, "_ready", {})
     return seen
@@ -72,7 +72,7 @@ class Asker:
 
 def test_the_style_is_that_of_the_run_unrestrained(prepared, sphere):
     async def main():
-        asker, recipe = Asker(), draft("brick", relief=1.0)
+        asker, recipe = Asker(), recipe_for("brick", relief=1.0)
         assert asker.previewer.ready(sphere, 25_000) is None
         asker.previewer.ask(sphere, 25_000, recipe)
         await asker.news()
@@ -90,9 +90,9 @@ def test_the_latest_of_quick_changes_is_drawn_and_the_part_made_ready_once(prepa
     async def main():
         asker = Asker()
         for relief in (0.2, 0.4, 0.6):
-            asker.previewer.ask(sphere, FEW, draft("brick", relief=relief))
+            asker.previewer.ask(sphere, FEW, recipe_for("brick", relief=relief))
         await asker.news()
-        asker.previewer.ask(sphere, FEW, draft("brick", relief=1.2))
+        asker.previewer.ask(sphere, FEW, recipe_for("brick", relief=1.2))
         await asker.news()
         await asker.rest()
         depths = [float(np.ptp(one.style.relief)) for one in asker.shown]
@@ -107,7 +107,7 @@ def test_a_part_that_is_wanted_no_longer_is_not_shown(prepared, sphere, cube):
     async def main():
         asker = Asker()
         prepared.gate.clear()
-        asker.previewer.ask(sphere, FEW, draft("brick"))
+        asker.previewer.ask(sphere, FEW, recipe_for("brick"))
         await prepared.until(1)
         asker.previewer.cancel()
         prepared.gate.set()
@@ -115,9 +115,9 @@ def test_a_part_that_is_wanted_no_longer_is_not_shown(prepared, sphere, cube):
         assert asker.shown == asker.failed == []
         half, most = sphere.moved(0.5 * sphere.vertices), sphere.moved(0.9 * sphere.vertices)
         prepared.gate.clear()
-        asker.previewer.ask(most, FEW, draft("brick"))
+        asker.previewer.ask(most, FEW, recipe_for("brick"))
         await prepared.until(2)
-        asker.previewer.ask(half, FEW, draft("brick"))
+        asker.previewer.ask(half, FEW, recipe_for("brick"))
         prepared.gate.set()
         await asker.news()
         await asker.rest()
@@ -131,7 +131,7 @@ def test_a_wish_of_another_thread_wakes_a_loop_that_sleeps(prepared, sphere):
 
     async def main():
         asker = Asker()
-        threading.Timer(0.2, asker.previewer.ask, (sphere, FEW, draft("brick"))).start()  # when the loop has gone to sleep
+        threading.Timer(0.2, asker.previewer.ask, (sphere, FEW, recipe_for("brick"))).start()  # when the loop has gone to sleep
         await asker.news()
         assert len(asker.shown) == 1
 
@@ -147,9 +147,9 @@ def test_the_newest_wish_is_drawn_though_the_answer_before_it_could_not_be_shown
         show = asker.previewer._arrived
         asker.previewer._arrived = lambda one: show(one) if errors else 1 / 0
         prepared.gate.clear()
-        asker.previewer.ask(sphere, FEW, draft("brick"))
+        asker.previewer.ask(sphere, FEW, recipe_for("brick"))
         await prepared.until(1)
-        asker.previewer.ask(sphere, FEW, draft("stone"))
+        asker.previewer.ask(sphere, FEW, recipe_for("stone"))
         while asker.previewer._timer is not None:  # noqa: ASYNC110 — it is to find that the first is still being drawn
             await asyncio.sleep(0.01)
         prepared.gate.set()
@@ -175,9 +175,9 @@ def test_a_wish_of_another_thread_is_drawn_however_soon_its_time_has_come(prepar
     async def main():
         asker = Asker()
         prepared.gate.clear()
-        await asyncio.to_thread(asker.previewer.ask, sphere, FEW, draft("brick"))
+        await asyncio.to_thread(asker.previewer.ask, sphere, FEW, recipe_for("brick"))
         await prepared.until(1)
-        await asyncio.to_thread(asker.previewer.ask, sphere, FEW, draft("stone"))
+        await asyncio.to_thread(asker.previewer.ask, sphere, FEW, recipe_for("stone"))
         prepared.gate.set()
         await asker.news()
         await asker.rest()
@@ -189,7 +189,7 @@ def test_a_wish_of_another_thread_is_drawn_however_soon_its_time_has_come(prepar
 def test_where_only_running_tells_the_part_is_shown_as_it_came(prepared, sphere):
     async def main():
         asker = Asker()
-        asker.previewer.ask(sphere, FEW, draft("brick", field="network"))
+        asker.previewer.ask(sphere, FEW, recipe_for("brick", field="network"))
         await asker.news()
         assert asker.shown[0].style is None
         assert asker.shown[0].surface is sphere
@@ -203,7 +203,7 @@ def test_another_studio_of_the_same_part_finds_it_ready_and_only_the_last_few_ar
     async def main():
         for mesh in (sphere, sphere, *(cube.moved(0.1 * count * cube.vertices) for count in range(module.READY)), sphere):
             asker = Asker()
-            asker.previewer.ask(mesh, FEW, draft("brick"))
+            asker.previewer.ask(mesh, FEW, recipe_for("brick"))
             await asker.news()
 
     asyncio.run(main())
@@ -213,7 +213,7 @@ def test_another_studio_of_the_same_part_finds_it_ready_and_only_the_last_few_ar
 
 def test_without_an_event_loop_nothing_is_drawn(prepared, sphere):
     previewer = Previewer(lambda _: pytest.fail("drawn"), pytest.fail)
-    previewer.ask(sphere, FEW, draft("brick"))
+    previewer.ask(sphere, FEW, recipe_for("brick"))
     assert prepared == []
     assert previewer.ready(sphere, FEW) is None
 
@@ -226,17 +226,17 @@ def test_a_part_is_made_ready_in_another_process_that_ends_when_told(cube):
         raise Enough
 
     with pytest.raises(Enough):
-        shape_aside(cube, FEW, enough)
-    shape = shape_aside(cube, FEW, lambda: None)
+        shape_in_worker(cube, FEW, enough)
+    shape = shape_in_worker(cube, FEW, lambda: None)
     assert abs(len(shape.surface.vertices) - FEW) < 0.2 * FEW
     assert not shape.inside.any()
 
 
 def test_what_was_made_ready_before_needs_no_other_process(cube, monkeypatch):
     """It takes two seconds to begin, which is all the time that a Studio has until its style is on show."""
-    first = shape_aside(cube, FEW, lambda: None)
-    monkeypatch.setattr(prepare, "Aside", lambda *_: pytest.fail("a process of its own"))
-    again = shape_aside(cube, FEW, lambda: None)
+    first = shape_in_worker(cube, FEW, lambda: None)
+    monkeypatch.setattr(prepare, "WorkerProcess", lambda *_: pytest.fail("a process of its own"))
+    again = shape_in_worker(cube, FEW, lambda: None)
     assert again.surface.digest == first.surface.digest
     np.testing.assert_array_equal(again.thickness, first.thickness)
 
@@ -249,7 +249,7 @@ def ball() -> SurfaceMesh:
 
 def test_a_pattern_that_its_mesh_does_not_carry_says_how_much_larger_it_is_and_what_would(ball):
     """What was drawn three times larger was said after the run, in a list that was folded away."""
-    recipe = draft("brick", "PLA", feature=1.0)
+    recipe = recipe_for("brick", "PLA", feature=1.0)
     shape = Shape(ball, np.full(len(ball.vertices), 8.0, np.float32))
     drawn, count = module.Preview(shape, finished_style(shape, recipe), 0.1), len(ball.vertices)
     found = drawn.enlarged(count)
@@ -257,5 +257,5 @@ def test_a_pattern_that_its_mesh_does_not_carry_says_how_much_larger_it_is_and_w
     assert any(found.what in note for note in drawn.style.notes)
     assert drawn.enlarged(count // 4).times == pytest.approx(2.0 * found.times, rel=0.01), "a run that is coarser is worse"
     assert drawn.enlarged(found.vertices) is None, "what is offered is enough"
-    coarse = draft("brick", "PLA", feature=30.0)
+    coarse = recipe_for("brick", "PLA", feature=30.0)
     assert module.Preview(shape, finished_style(shape, coarse), 0.1).enlarged(count) is None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import msgspec
 import pytest
+from plotly.graph_objects import Figure
 
 from mechstyle.records import Doubt, sentences
 from mechstyle_widgets.state.outcomes import LOOKS
@@ -32,6 +33,15 @@ def trace(timeline, number):
 
 def frame(timeline):
     return timeline._curves.frame
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_traces_and_layout_are_such_as_plotly_knows(state, theme):
+    """They are plain dictionaries, which nobody checks on the way to the page."""
+    curves = Timeline(state, theme=theme)._curves
+    figure = Figure(curves.data, curves.frame)
+    assert len(figure.data) == len(curves.data)
+    assert figure.layout.yaxis2.domain[1] < figure.layout.yaxis.domain[0], "one above the other"
 
 
 def test_every_simulation_is_a_mark_by_its_outcome(timeline, state):

@@ -115,9 +115,9 @@ def test_the_worst_place_is_flown_to_and_asked_about(done):
     viewer = RunViewer(state)
     before = tuple(viewer._orbit.three.position)
     viewer.badge._worst.click()
-    vertices, where = viewer.subject.mesh.vertices, done.history[-1].verdict.deciding.where
-    nearest = np.linalg.norm(vertices - where, axis=1).argmin()
-    assert viewer.probed == nearest
+    vertices, bent = viewer.subject.mesh.vertices, viewer.subject.layer("stays_bent")
+    nearest = viewer.probed
+    assert (nearest, bent.values[nearest]) == (bent.peak, np.float32(done.history[-1].verdict.deciding.permanent_set))
     assert tuple(viewer._orbit.three.position) != before
     np.testing.assert_allclose(viewer._orbit.seen.target, vertices[nearest], atol=1e-6)
 
@@ -125,7 +125,7 @@ def test_the_worst_place_is_flown_to_and_asked_about(done):
 def test_where_nothing_stays_bent_the_worst_place_is_that_of_the_largest_stress(done):
     checkpoint, mesh = done.checkpoint(12), done.surface(12)
     for found in (verdict(row(0.0, place="")), verdict(published_row(), criterion="paper"), UNKNOWN):
-        assert badge.worst_vertex(mesh, checkpoint, found) == checkpoint.stress.argmax()
+        assert badge.worst_vertex(mesh, checkpoint, done.simulation(12), found) == checkpoint.stress.argmax()
 
 
 def test_keys_turn_the_part_and_bring_it_back(done):

@@ -16,6 +16,7 @@ from mechstyle.runs.run import Run
 from mechstyle.simulation.impact import FALLING, Impact, heights
 from mechstyle_widgets.state.studio_state import StudioState
 from mechstyle_widgets.viewer import impact_player
+from mechstyle_widgets.viewer.layers import Subject
 from mechstyle_widgets.viewer.run_viewer import RunViewer
 from support.models import alive
 
@@ -158,6 +159,14 @@ def test_after_a_landing_on_its_side_one_looks_at_the_part_that_stands_again(vie
     assert not np.allclose(viewer._orbit.seen.target, before)
     viewer.player.put_away()
     assert np.allclose(viewer._orbit.seen.target, before)
+
+
+def test_what_an_impact_is_not_of_stays_at_rest(viewer, cube):
+    """An impact of a coarser part came when a finer one was on show: the page got an error of numpy."""
+    viewer.player.play()
+    other = Subject(cube)
+    assert len(cube.vertices) != len(viewer.subject.mesh.vertices)
+    assert viewer.player.at_the_moment(other) is other
 
 
 def test_put_away_the_part_is_at_rest_again(viewer):

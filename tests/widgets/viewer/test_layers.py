@@ -7,7 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from mechstyle.pictures.fields import stays_bent
 from mechstyle.runs import run as module
+from mechstyle_widgets.viewer import legend
 from mechstyle_widgets.viewer.layers import subject_of
 from mechstyle_widgets.viewer.probe import brief, table
 from support.lanes import lane_on_a_sheet
@@ -48,7 +50,7 @@ def test_a_checkpoint_shows_every_field_that_is_known_there(done):
         assert np.allclose(subject.layer(name).values, tested.stress_of(landing=landing.name))
         assert subject.layer(name).threshold == strength
     row = state.verdict.deciding
-    assert np.allclose(subject.layer("stays_bent").values, np.linalg.norm(tested.set_of(landing=row.landing), axis=1))
+    assert np.array_equal(subject.layer("stays_bent").values, stays_bent(row).values_in(tested))
     assert np.array_equal(subject.layer("stress").values, state.stress)
     assert np.allclose(subject.layer("restraint").values, 1.0 - state.mask)
     assert np.array_equal(subject.layer("displacement").values, state.displacement)
@@ -89,6 +91,14 @@ def test_between_simulations_the_last_verdict_holds_and_its_age_is_said(done):
     assert subject_of(done, state).layer("stays_bent").threshold == done.history[4].verdict.deciding.allowed
     assert subject_of(done, state).layer("stress").note == "flat, simulated at iteration 4"
     assert subject_of(done, done.checkpoint(4)).layer("stress").note == "flat"
+
+
+def test_what_was_found_on_an_earlier_surface_is_no_answer_on_this_one(done):
+    """Under a styled part that nobody had dropped stood that nothing stays bent of it, which was so of the plain one."""
+    subjects = [subject_of(done, done.checkpoint(iteration)) for iteration in (6, 4)]
+    told = [legend.colour_bar(one.layer("stays_bent"), one.mesh) for one in subjects]
+    assert ["stays bent by more than the allowed" in words for words in told] == [False, True]
+    assert not subjects[0].layer("displacement").aged
 
 
 def test_displacement_keeps_its_colours_from_iteration_to_iteration(done):

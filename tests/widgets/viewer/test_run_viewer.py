@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from msgspec.structs import replace as replace_fields
 
 from mechstyle.errors import BadInput
 from mechstyle.pictures.panels import exaggeration
 from mechstyle.runs.run import Run
 from mechstyle.simulation.impact import Impact
 from mechstyle_widgets.jupyter import looks
+from mechstyle_widgets.state.on_show import on_show
 from mechstyle_widgets.state.studio_state import StudioState
 from mechstyle_widgets.viewer import impact_player
 from mechstyle_widgets.viewer.layers import Layer
 from mechstyle_widgets.viewer.run_viewer import RunViewer
 from mechstyle_widgets.viewer.shaders import OPEN
 from support.models import alive
+from support.records import row, verdict
 
 
 def test_the_part_is_the_one_of_the_iteration(done):
@@ -183,3 +188,47 @@ def test_what_stands_beside_falls_with_it_and_once_after_both(done, monkeypatch)
     assert len(dropped) == 3, "alone it falls alone"
     viewer.player.put_away()
     assert viewer.original.layer("moment") is None
+
+
+def test_the_caption_is_that_of_a_correction_of_the_same_iteration(done):
+    """The badge said HOLDS of what was corrected, and the caption FAILS of what was not, as they are of one iteration."""
+    state = StudioState(done)
+    viewer = RunViewer(state)
+    *before, last = state.history
+    corrected = replace_fields(last, verdict=verdict(row(0.6)))
+    state.histories = {**state.histories, "main": [*before, corrected]}
+    state.history = [*before, corrected]
+    assert on_show(state).fails
+    assert viewer.captions[0] == on_show(state).caption
+
+
+def test_a_pane_that_stays_as_it_is_is_not_drawn_again(done):
+    """What stands beside the part was drawn anew with each iteration of it, by a browser that has one processor for both."""
+    state = StudioState(done, layer="stays_bent")
+    viewer = RunViewer(state)
+    viewer.compared = ("main", 12)
+    drawn = [0, 0]
+
+    def count(number, change):
+        drawn[number] += not change["new"]
+
+    for number, view in enumerate(viewer._views):
+        view.observe(lambda change, number=number: count(number, change), "_pause_autorender")
+    state.iteration = 11
+    state.iteration = 10
+    assert drawn[0] >= 2
+    assert drawn[1] <= 1, "where both are exaggerated by another factor"
+    viewer.stepped = True
+    assert drawn[1] > 0, "what all panes share is drawn in all of them"
+
+
+def test_what_is_drawn_is_out_of_date_until_a_correction_of_the_same_iteration_is_drawn(done, monkeypatch):
+    """A field of what was corrected ended at its own figure while the result told of the correction; lane and iteration are alike."""
+    state = StudioState(done)
+    viewer, asked = RunViewer(state), []
+    assert viewer.up_to_date
+    monkeypatch.setattr(viewer._newest, "ask", asked.append)
+    state.checkpoint = replace(state.checkpoint)
+    assert not viewer.up_to_date
+    viewer._bring(asked[-1], viewer._still)
+    assert viewer.up_to_date

@@ -118,6 +118,20 @@ def test_the_picture_is_cut_open_as_the_view_is(viewer, painted_sphere):
     assert viewer.picture().png != whole
 
 
+@pytest.mark.parametrize("painted", [False, True])
+def test_a_cut_that_leaves_but_the_corners_in_its_plane_leaves_all_of_the_part_in_a_picture(cube, painted):
+    """At the end of its slider the plane lies in a face: nothing is beyond it, and the picture of the notebook could not be drawn."""
+    mesh = cube.coloured(np.full((len(cube.vertices), 3), 0.5)) if painted else cube
+    values = mesh.vertices[:, 0]
+    viewer = Viewer(mesh, [Layer("stress", values)])
+    viewer.section.axis, viewer.section.on = "z", True
+    for at, flipped in ((mesh.vertices[:, 2].min(), False), (mesh.vertices[:, 2].max(), True)):
+        viewer.section.at, viewer.section.flipped = float(at), flipped
+        assert viewer.section.keeps(mesh.vertices).any()
+        found, shown = viewer.section.applied(mesh, values)
+        assert len(found.faces) == len(mesh.faces) == len(shown[mesh.faces])
+
+
 def test_a_line_of_sight_meets_the_nearest_face_that_is_left():
     cube = SurfaceMesh([(x, y, z) for x in (0.0, 1.0) for y in (0.0, 1.0) for z in (0.0, 1.0)],
                        [(0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1), (2, 3, 7), (2, 7, 6), (0, 2, 6), (0, 6, 4),
@@ -260,6 +274,17 @@ def test_there_are_no_more_places_than_numbers_and_none_off_the_part(viewer):
     assert viewer.places == tuple(range(5, MOST_PINS + 5))
     with pytest.raises(BadInput, match="there is no vertex 5000"):
         viewer.places = (5000,)
+
+
+def test_a_view_can_be_chosen_again_once_the_part_was_turned(viewer):
+    """The menu went on showing the view that was chosen before, and a browser does not tell of a choice that changes nothing."""
+    menu = viewer._toolbar._view
+    menu.value = "front"
+    seen = viewer._orbit.three.position
+    viewer.key("ArrowLeft")
+    assert viewer._orbit.three.position != pytest.approx(seen)
+    menu.value = "front"
+    assert viewer._orbit.three.position == pytest.approx(seen)
 
 
 def test_the_buttons_and_the_keys_are_one(viewer):

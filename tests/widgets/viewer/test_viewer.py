@@ -326,6 +326,13 @@ def test_another_part_is_refused(sphere, cube):
         Viewer(sphere).subject = Subject(cube)
 
 
+def test_an_original_of_another_part_is_refused_before_anything_is_made(sphere, cube):
+    before = alive()
+    with pytest.raises(BadInput, match="other faces"):
+        Viewer(sphere, original=Subject(cube))
+    assert alive() == before
+
+
 def test_a_layer_that_is_not_there_is_refused(sphere):
     with pytest.raises(BadInput, match="unknown layer 'stress': did you mean 'style'"):
         Viewer(sphere).layer = "stress"
@@ -361,9 +368,9 @@ def test_a_refused_viewer_leaves_nothing_behind(sphere, wrong):
 # --- closing ------------------------------------------------------------------------------------------------------
 
 
-def test_fifty_viewers_opened_and_closed_leave_nothing_behind(cube):
+def test_ten_viewers_opened_and_closed_leave_nothing_behind(cube):
     before, layer = alive(), Layer("x", np.arange(8.0))
-    for _ in range(50):
+    for _ in range(10):
         viewer = Viewer(cube, [layer], original=Subject(cube))
         viewer.beside = True
         viewer.beside = False

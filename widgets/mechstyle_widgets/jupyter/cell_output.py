@@ -15,8 +15,8 @@ from typing import Any
 import ipywidgets
 
 from mechstyle.errors import MechStyleError
-from mechstyle_widgets.jupyter.language import word
-from mechstyle_widgets.jupyter.throttle import Newest
+from mechstyle_widgets.jupyter.language import language_of, speaking, word
+from mechstyle_widgets.jupyter.throttle import LatestOnly, Timer, running_loop
 
 _shown: dict[str, tuple[str, weakref.WeakSet[Any]]] = {}
 """By the id of a cell: the request that ran it last, and what it showed."""
@@ -26,7 +26,7 @@ class OncePerCell(ipywidgets.Widget):  # type: ignore[misc]  # ipywidgets has no
     """Mixed into a widget: showing it closes what its cell showed when it was last run, and leaves a picture of it in the notebook."""
 
     _stills: tuple[Any, ...] = ()
-    _drawing: Newest[Callable[[], bytes], str] | None = None
+    _drawing: LatestOnly[Callable[[], bytes], str] | None = None
 
     def _ipython_display_(self) -> None:
         """The widget, and below it a picture, which a page that has the widget does not show (`frame.css`)."""
@@ -37,14 +37,23 @@ class OncePerCell(ipywidgets.Widget):  # type: ignore[misc]  # ipywidgets has no
         put(shown, metadata=about, raw=True)
         if in_a_notebook() and self.still() is not None:
             self._stills = (*self._stills, put({"image/png": NOTHING}, raw=True, display_id=True))
+            loop = running_loop()
+            if loop is None:
+                self._first_still()
+            else:
+                Timer(loop, PAGE_FIRST, self._first_still)
+
+    def _first_still(self) -> None:
+        if self.comm is not None and self._drawing is None:  # it is still there, and nobody drew one meanwhile
             self.renew_still()
 
     def _repr_mimebundle_(self, **formats: Any) -> Any:
         """What the widget is shown as, by kind, and what is said about that: anywidget gives both, ipywidgets the first."""
         replace_last_run(self)
-        bundle = super()._repr_mimebundle_(**formats)
-        shown, about = bundle if isinstance(bundle, tuple) else (bundle, {})
-        return {**shown, "text/plain": f"{self!r}\n{word(NO_WIDGETS)}"}, about
+        with speaking(language_of(self)):
+            bundle = super()._repr_mimebundle_(**formats)
+            shown, about = bundle if isinstance(bundle, tuple) else (bundle, {})
+            return {**shown, "text/plain": f"{self!r}\n{word(NO_WIDGETS)}"}, about
 
     def still(self) -> Callable[[], bytes] | None:
         """What draws the picture as it is now, as PNG, in any thread; None where there is none."""
@@ -52,9 +61,10 @@ class OncePerCell(ipywidgets.Widget):  # type: ignore[misc]  # ipywidgets has no
 
     def renew_still(self) -> None:
         """Let the notebook have a picture of what is shown now; it is drawn beside the event loop."""
-        drawn = self.still() if self._stills else None
+        with speaking(language_of(self)):
+            drawn = self.still() if self._stills else None
         if drawn is not None:
-            self._drawing = self._drawing or Newest(_png, self._hang)
+            self._drawing = self._drawing or LatestOnly(_png, self._hang)
             self._drawing.ask(drawn)
 
     def _hang(self, _drawn: Callable[[], bytes], picture: str) -> None:
@@ -68,6 +78,8 @@ NO_WIDGETS = (
 )
 NOTHING = "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNk+M9QDwADhgGAWjR9awAAAABJRU5ErkJggg=="
 """A picture of one pixel, until there is another."""
+PAGE_FIRST = 2.0
+"""How long a page has the kernel for itself, which draws the picture of it afterwards [s]."""
 
 
 def _png(drawn: Callable[[], bytes]) -> str:

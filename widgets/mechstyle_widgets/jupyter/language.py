@@ -1,13 +1,16 @@
 """The language of all that the Studio says: one table, from English to German.
 
 The core speaks English. Its sentences are in the table with `{}` for what is filled in, and are said in German where they are shown.
+Each widget keeps the language in which it was made: whatever a page or a cell asks of it is answered in that (`jupyter.one_thread`).
 """
 
 from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
 from functools import cache, lru_cache
 from importlib.resources import files
 from typing import Any
@@ -15,34 +18,50 @@ from typing import Any
 from mechstyle.errors import unknown
 
 LANGUAGES = ("en", "de")
-_spoken = ["en"]
+_usual = ["en"]
+_here: ContextVar[str] = ContextVar("language of what is at work", default="")
 
 
 def speak(language: str) -> None:
-    """Let everything that is made from now on be called by its names in a language, `en` or `de`."""
+    """Let everything that is made from now on be called by its names in a language, `en` or `de`; what was made keeps its own."""
     if language not in LANGUAGES:
         raise unknown("language", str(language), LANGUAGES)
-    _spoken[0] = language
+    _usual[0] = language
+
+
+@contextmanager
+def speaking(language: str) -> Iterator[None]:
+    """Speak a language in the block, and in what is planned there for later; "" for the usual one."""
+    token = _here.set(language)
+    try:
+        yield
+    finally:
+        _here.reset(token)
+
+
+def language_of(widget: object) -> str:
+    """The language in which a widget was made, "" where that is not known."""
+    return str(getattr(widget, "spoken_here", ""))
 
 
 def spoken() -> str:
     """The language spoken."""
-    return _spoken[0]
+    return _here.get() or _usual[0]
 
 
 def word(english: str) -> str:
     """A label in the language spoken; what is in no table, as a name or a figure, stays."""
-    return GERMAN.get(english, english) if _spoken[0] == "de" else english
+    return GERMAN.get(english, english) if spoken() == "de" else english
 
 
 def in_page(words: Sequence[str]) -> dict[str, str]:
     """What a page's own script says, in the language spoken, by the English of it."""
-    return {english: GERMAN[english] for english in words if english in GERMAN} if _spoken[0] == "de" else {}
+    return {english: GERMAN[english] for english in words if english in GERMAN} if spoken() == "de" else {}
 
 
 def said(english: str) -> str:
     """A sentence, or several, in the language spoken: as a whole if the table has it, else piece by piece; what is in no table stays."""
-    return _german(english) if _spoken[0] == "de" else english
+    return _german(english) if spoken() == "de" else english
 
 
 @lru_cache(maxsize=4096)
@@ -77,7 +96,7 @@ _SENTENCES, _PARTS = re.compile(r"(; |\. | · |\n|, and also )"), re.compile("(:
 
 def worded(traits: dict[str, Any]) -> dict[str, Any]:
     """Traits of a control with its labels in the language spoken; what its options stand for stays."""
-    if _spoken[0] == "en":
+    if spoken() == "en":
         return traits
     said = dict(traits)
     for name in LABELS & said.keys():

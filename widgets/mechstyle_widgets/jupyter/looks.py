@@ -28,6 +28,9 @@ _here: ContextVar[Looks | None] = ContextVar("looks that what is being made shar
 _among: dict[Any, Looks] = {}  # each look that is open, and those it is one of
 _controls: WeakValueDictionary[int, Any] = WeakValueDictionary()  # by their id
 
+_promised: list[int] = []
+"""Ids of looks that a control is to have which is being made."""
+
 
 @contextmanager
 def sharing() -> Iterator[None]:
@@ -50,7 +53,7 @@ def close_unused(looks: Iterable[ipywidgets.Widget]) -> None:
     Controls may be made and looks closed meanwhile, by another thread or by what closing one sets off: what is gone through is a copy.
     """
     controls = [control for known in _controls.valuerefs() if (control := known()) is not None and control.comm is not None]
-    had = {id(one) for control in controls for one in (control.layout, getattr(control, "style", None))}
+    had = {id(one) for control in controls for one in (control.layout, getattr(control, "style", None))} | {*_promised}
     for among in {id(among): among for one in looks if (among := _among.get(one)) is not None}.values():
         for key, one in list(among.items()):
             if id(one) not in had:
@@ -67,9 +70,22 @@ def lean(kind: Callable[..., W], *given: Any, **traits: Any) -> W:
         for name in {"layout", "style"} & known.keys():
             if isinstance(traits.setdefault(name, {}), dict):
                 traits[name] = _look(looks, known[name].klass, traits[name])
-    control = kind(*given, **traits)
-    _controls[id(control)] = control
+    with _promising(traits.get("layout"), traits.get("style")):
+        control = kind(*given, **traits)
+        _controls[id(control)] = control
     return control
+
+
+@contextmanager
+def _promising(*looks: object) -> Iterator[None]:
+    """What is closed in the block, by whatever making a control sets off, leaves the looks that it is to have."""
+    promised = [id(one) for one in looks]
+    _promised.extend(promised)
+    try:
+        yield
+    finally:
+        for one in promised:
+            _promised.remove(one)
 
 
 def stacked(children: Sequence[ipywidgets.Widget], name: str) -> ipywidgets.VBox:
@@ -97,7 +113,9 @@ def show(widget: ipywidgets.DOMWidget, there: object) -> None:
     elif widget.layout.display != display:
         values = {name: getattr(widget.layout, name) for name in widget.layout.keys if not name.startswith("_")}
         given = {name: value for name, value in {**values, "display": display}.items() if value is not None}
-        widget.layout = _look(_among[widget.layout], ipywidgets.Layout, given)
+        look = _look(_among[widget.layout], ipywidgets.Layout, given)
+        with _promising(look):
+            widget.layout = look
 
 
 def _look(looks: Looks, kind: Any, values: dict[str, Any]) -> Any:

@@ -3,6 +3,8 @@
 JupyterLab sends it to a thread of the kernel's own, and ipykernel (7.4) some of it to one thread and some to the other. Traits, links, and
 all that draws know of one thread only: two at once broke links and lost what was set. As everywhere but in JupyterLab, a page is heard
 between two cells; what it asks for when it is loaded again, all models at once, is answered at any time.
+
+What a widget does when it hears, of a page or of a cell, it does in the language in which it was made.
 """
 
 from __future__ import annotations
@@ -16,6 +18,7 @@ from typing import Any
 
 from ipywidgets.widgets import widget as library
 
+from mechstyle_widgets.jupyter.language import language_of, speaking, spoken
 from mechstyle_widgets.jupyter.throttle import running_loop
 
 LONGEST = 1.0
@@ -26,7 +29,11 @@ _of_cells: list[asyncio.AbstractEventLoop] = []
 
 
 class _Models(dict[str, Any]):
-    """Models by id, listed as they were when they were asked for: a drawing may add one meanwhile."""
+    """Models by id, each with the language of its making, listed as they were when they were asked for: a drawing may add one meanwhile."""
+
+    def __setitem__(self, key: str, model: Any) -> None:
+        model.spoken_here = spoken()
+        super().__setitem__(key, model)
 
     def values(self) -> Any:
         return list(super().values())
@@ -42,7 +49,19 @@ def hear_on_one_thread() -> None:
         _of_cells[:] = [loop]
     if not isinstance(library._instances, _Models):  # noqa: SLF001 — the library has no other door
         library._instances = _Models(library._instances)  # noqa: SLF001 — as above
-        library.Widget._handle_msg = _in_turn(library.Widget._handle_msg)  # noqa: SLF001 — as above
+        library.Widget._handle_msg = _in_turn(_in_its_language(library.Widget._handle_msg))  # noqa: SLF001 — as above
+        library.Widget.notify_change = _in_its_language(library.Widget.notify_change)
+
+
+def _in_its_language(act: Callable[[Any, Any], None]) -> Callable[[Any, Any], None]:
+    """What a widget does, in the language of its making."""
+
+    @wraps(act)
+    def acted(widget: Any, given: Any) -> None:
+        with speaking(language_of(widget) or spoken()):
+            act(widget, given)
+
+    return acted
 
 
 def _in_turn(hear: Callable[[Any, Any], None]) -> Callable[[Any, Any], None]:
@@ -58,7 +77,8 @@ def _in_turn(hear: Callable[[Any, Any], None]) -> Callable[[Any, Any], None]:
 
         def now() -> None:
             try:
-                hear(widget, message)
+                if widget.comm is not None:  # it may have been closed meanwhile, with all that the message names
+                    hear(widget, message)
             finally:
                 heard.set()
 

@@ -11,15 +11,15 @@ from mechstyle.geometry.cancelling import CancelCheck
 from mechstyle.geometry.thickness import local_thickness
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.simulation.part import Relief, Shape, Stage, Workpiece, prepare, standardised, standardised_before
-from mechstyle_widgets.jupyter.worker_process import Aside
+from mechstyle_widgets.jupyter.worker_process import WorkerProcess
 
 
-def prepare_aside(mesh: SurfaceMesh, vertices: int, stage: Stage, go_on: CancelCheck, relief: Relief | None = None) -> Workpiece:
+def prepare_in_worker(mesh: SurfaceMesh, vertices: int, stage: Stage, go_on: CancelCheck, relief: Relief | None = None) -> Workpiece:
     """As `simulation.part.prepare`, in another process; what `go_on`, called ten times a second, raises ends the work.
 
     `relief`, the finished relief the part is to carry, is a function that can be pickled.
     """
-    for word in Aside(_prepare, mesh, vertices, relief).said(go_on):
+    for word in WorkerProcess(_prepare, mesh, vertices, relief).said(go_on):
         if isinstance(word, Workpiece):
             return word
         stage(word)
@@ -31,7 +31,7 @@ def _prepare(say: Callable[[object], None], mesh: SurfaceMesh, vertices: int, re
     say(prepare(mesh, vertices=vertices, stage=say, relief=relief))
 
 
-def shape_aside(mesh: SurfaceMesh, vertices: int, go_on: Callable[[], None]) -> Shape:
+def shape_in_worker(mesh: SurfaceMesh, vertices: int, go_on: Callable[[], None]) -> Shape:
     """A part as far as a style needs it ready, remeshed in another process; what `go_on` raises ends the work.
 
     What was remeshed before needs no process, which takes two seconds to begin.
@@ -40,7 +40,7 @@ def shape_aside(mesh: SurfaceMesh, vertices: int, go_on: Callable[[], None]) -> 
     if known is not None:
         go_on()
         return _shape_of(known)
-    for shape in Aside(_shape, mesh, vertices).said(go_on):
+    for shape in WorkerProcess(_shape, mesh, vertices).said(go_on):
         if isinstance(shape, Shape):
             return shape
     raise SimulationFailed("making the part ready for a preview ended without an answer: it may need more memory")

@@ -6,6 +6,7 @@ import asyncio
 import threading
 import time
 from collections.abc import Callable
+from contextvars import copy_context
 from functools import partial
 from typing import Generic, TypeVar
 
@@ -41,7 +42,8 @@ def in_a_thread(
     if loop is None:
         worked()
     else:
-        threading.Thread(target=worked, name="mechstyle", daemon=True).start()
+        in_the_same_language = partial(copy_context().run, worked)
+        threading.Thread(target=in_the_same_language, name="mechstyle", daemon=True).start()
 
 
 class Timer:
@@ -61,7 +63,7 @@ class Timer:
         self._cancelled = True
 
 
-class Paced:
+class Throttled:
     """A function that may be called at any rate and acts at most ten times a second, after the last call at the latest.
 
     It acts at once where no event loop is running, as in plain Python. It must read what it needs when it acts: whatever
@@ -103,7 +105,7 @@ Wish = TypeVar("Wish")
 Answer = TypeVar("Answer")
 
 
-class Newest(Generic[Wish, Answer]):
+class LatestOnly(Generic[Wish, Answer]):
     """A function at work in a thread, one wish at a time; of those that come meanwhile the last counts.
 
     Where no event loop is running, as in plain Python, it works at once.

@@ -22,7 +22,7 @@ LOOK = 0.1
 _END = object()
 
 
-class Aside:
+class WorkerProcess:
     """A function at work in another process, saying one thing after another."""
 
     def __init__(self, function: Callable[..., None], *arguments: Any) -> None:

@@ -12,6 +12,7 @@ import traitlets
 
 from mechstyle.errors import MechStyleError
 from mechstyle.loop.history import Branch, Row
+from mechstyle.pictures.fields import stays_bent
 from mechstyle.records import Checkpoint, Verdict, sentences
 from mechstyle.records import Row as Judged
 from mechstyle.records.load_cases import LoadCase
@@ -149,7 +150,8 @@ class Branches(Section):
         if len(judged) < 2:
             return None
         (run, _, checkpoint), verdict = max(judged, key=lambda one: one[1].deciding.used if one[1].deciding else 0.0)
-        vertex, called = worst_vertex(run.part.surface.displaced(checkpoint.displacement), checkpoint, verdict), self.state.called
+        styled, tested = run.part.surface.displaced(checkpoint.displacement), self.state.simulation(run.store, checkpoint)
+        vertex, called = worst_vertex(styled, checkpoint, tested, verdict), self.state.called
         there = {called(one.lane): self._there(one, state, its, vertex) for (one, _, state), its in judged}
         return vertex, most_bent(called(run.lane), verdict, there)
 
@@ -158,8 +160,7 @@ class Branches(Section):
         row = verdict.deciding
         if row is None or row.stress is not None:
             return f"{state.stress[vertex]:.0f} MPa"
-        stays = self.state.simulation(run.store, state).set_of(landing=row.landing, load=row.load)[vertex]
-        return sentences.bend(float(np.linalg.norm(stays)))
+        return sentences.bend_in(row, float(stays_bent(row).values_in(self.state.simulation(run.store, state))[vertex]))
 
     def insight(self) -> str:
         """How Freestyle and what is shown beside it compare at their ends, in a sentence or two; "" where they are not compared."""
@@ -221,9 +222,9 @@ class Branches(Section):
 
 def _line(branch: Branch, rows: Sequence[Row], called: Callable[[str], str]) -> str:
     outcome = next((row.outcome for row in reversed(rows) if row.outcome), "")
-    where = f"{branch.iteration} of {branch.iterations}" if branch.iteration < branch.iterations else f"{branch.iterations} iterations"
-    origin = f", from {called(branch.parent)} at {branch.forked_at}" if branch.forked_at is not None and branch.parent else ""
-    return f"{LOOKS[outcome].mark if outcome else '·'} {called(branch.lane)}: {translated(where + origin)}"
+    where = f"{branch.iteration} of {branch.iterations}" if branch.iteration < branch.iterations else f"{branch.iterations}"
+    origin = f", from {called(branch.parent)} · {branch.forked_at}" if branch.forked_at and branch.parent else ""  # 0 is the plain part
+    return f"{LOOKS[outcome].mark if outcome else '·'} {called(branch.lane)} · {translated(where + origin)}"
 
 
 def side_by_side(names: tuple[str, str], verdicts: tuple[Verdict, Verdict], kept: tuple[float | None, float | None]) -> str:
@@ -266,8 +267,7 @@ def results(run: Run, row: Row, checkpoint: Checkpoint) -> dict[str, str]:
     verdict = row.verdict
     decides = None if verdict is None else verdict.deciding
     return {
-        "iteration": str(row.iteration),
-        "simulated because": row.reason or "not simulated",
+        "tested because": row.reason or "not tested",
         "outcome": "–" if verdict is None else said_of(verdict),
         **({} if verdict is None else {sentences.label(test): sentences.found(test) for test in verdict.rows}),
         "allowed": "–" if decides is None else sentences.allowed(decides),

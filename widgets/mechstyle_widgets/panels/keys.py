@@ -44,7 +44,7 @@ class Keys:
             viewer.layer = LAYERS[key]
 
     def _impact(self) -> None:
-        """Show the impact, or the part at rest again, also while it is being worked out."""
+        """Show the impact, or the undeformed part again, also while it is being worked out."""
         player = getattr(self._studio.viewer, "player", None)
         if player is not None:
             (player.put_away if player.working or player.impact is not None else player.play)()

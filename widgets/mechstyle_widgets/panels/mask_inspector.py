@@ -22,7 +22,7 @@ from mechstyle_widgets.jupyter.frame import unseen
 from mechstyle_widgets.jupyter.language import word
 from mechstyle_widgets.jupyter.looks import lean, show, unheard
 from mechstyle_widgets.jupyter.svg import Frame, drawing, shares
-from mechstyle_widgets.jupyter.throttle import Paced
+from mechstyle_widgets.jupyter.throttle import Throttled
 from mechstyle_widgets.settings.control import ControlSelector
 from mechstyle_widgets.settings.section import WIDE, Fold, Section, Words
 from mechstyle_widgets.state.controller import Controller
@@ -89,7 +89,7 @@ class MaskInspector(Section):
         self.selector.observe(lambda _: self.complain(""), ("freestyle", *DECIDES))
         self._show_layer.observe(self._switch, "value")
         self.state.observe(self._restore, "run")
-        self._soon = Paced(self._redraw, self.state.alert)
+        self._soon = Throttled(self._redraw, self.state.alert)
         self.state.observe(lambda _: self._soon(), "checkpoint")
         self.state.observe(self._follow_layer, "layer")
         self.selector.observe(self._redraw, ("freestyle", *DECIDES))
@@ -147,7 +147,8 @@ class MaskInspector(Section):
 
     def in_force(self, run: Run) -> dict[str, Any]:
         """The same fields as a run has them."""
-        return {name: run.recipe.settings[name] for name in DECIDES}
+        settings = run.recipe.settings
+        return {name: settings[name] for name in DECIDES}
 
     def _goes_on_from(self, run: Run) -> int | None:
         """Iteration from which a branch with the settings that are tried goes on, None for none."""
@@ -212,7 +213,7 @@ def _freedom(run: Run, recipe: Recipe) -> Field:
 def summary(now: Field, then: Field) -> str:
     """Share of the vertices that are held back by more than half, now and then."""
     is_now, would_be = (f"{float(restrained(mask).mean()):.1%}" for mask in (now, then))
-    return word("Held back by more than half: {} of the part, would be {}.").format(is_now, would_be)
+    return word("Held back by more than half: {} of the part now, {} with this.").format(is_now, would_be)
 
 
 def plots(checkpoint: Checkpoint, would_be: Field, threshold: float) -> str:

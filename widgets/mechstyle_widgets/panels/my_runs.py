@@ -17,7 +17,7 @@ from mechstyle.records import Verdict, sentences
 from mechstyle.runs.run import Run
 from mechstyle_widgets.jupyter.language import said, word
 from mechstyle_widgets.jupyter.looks import lean, sharing
-from mechstyle_widgets.jupyter.throttle import Newest
+from mechstyle_widgets.jupyter.throttle import LatestOnly
 from mechstyle_widgets.panels.branches import said_of
 from mechstyle_widgets.settings.section import WIDE, Section, Words, table
 from mechstyle_widgets.settings.thumbnails import SIZE, png
@@ -46,7 +46,7 @@ class MyRuns(Section):
         """List the runs of this notebook; `take` shows one."""
         self._state, self._take = state, take
         self._rows, self._beside = lean(ipywidgets.VBox, []), lean(Words, layout=WIDE)
-        self._newest: Newest[list[Path], list[Found]] = Newest(
+        self._newest: LatestOnly[list[Path], list[Found]] = LatestOnly(
             lambda places: [found for place in places if (found := read(place)) is not None], self._show, state.alert
         )
         self._sure: Path | None = None

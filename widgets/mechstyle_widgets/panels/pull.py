@@ -36,12 +36,14 @@ class PullHere(Section):
         held: Another place [mm], where the part is held; None for the face it rests on.
         force: How hard it pulls [N].
         towards: Which way.
+        shown: Whether its arrow is drawn: while one looks at it.
     """
 
     place: Any = traitlets.Tuple(None, allow_none=True)
     held: Any = traitlets.Tuple(None, allow_none=True)
     force = traitlets.Float(50.0, min=0.1, max=1e5)
     towards = traitlets.Enum((*AXES, OUT, INTO, EYE), "down")
+    shown = traitlets.Bool(True)
 
     def __init__(self, options: DropOptions, seen: Callable[[], Viewer | None]) -> None:
         """Add to the loads of a drop test; `seen` gives the view that is clicked in."""
@@ -71,7 +73,7 @@ class PullHere(Section):
         if self.place is None or viewer is None:
             return
         x, y, z = (round(value, 2) + 0.0 for value in self.place)  # or a place is called -0
-        reach = round(max(LEAST, REACH * viewer.at_rest.size), 2)
+        reach = round(max(LEAST, REACH * viewer.undeformed.size), 2)
         fx, fy, fz = (round(float(value), 4) for value in self.force * self._direction(viewer))
         held = Support(at="resting face" if self.held is None else Patch(near=(*self.held, reach)))
         name = f"{self.force:g} N {self.towards} at {x:.0f}, {y:.0f}, {z:.0f}"
@@ -90,17 +92,19 @@ class PullHere(Section):
             return np.asarray(AXES[self.towards], np.float64)
         if self.towards == EYE:
             return np.asarray(viewer.towards_eye, np.float64)
-        mesh = viewer.at_rest
+        mesh = viewer.undeformed
         normal = np.asarray(mesh.vertex_normals[np.linalg.norm(mesh.vertices - np.asarray(self.place), axis=1).argmin()], np.float64)
         return normal if self.towards == OUT else -normal
 
-    @traitlets.observe("place", "held", "force", "towards")
+    @traitlets.observe("place", "held", "force", "towards", "shown")
     def _tell(self, _change: Any = None) -> None:
         """Draw the arrow, and say what the part must carry."""
         show(self._controls, self.place is not None)
         viewer = self._seen()
-        if viewer is not None and self.place is not None:
-            tip = np.add(self.place, ARROW * viewer.at_rest.size * self._direction(viewer))
+        if viewer is not None and not self.shown:
+            viewer.arrow = ()
+        elif viewer is not None and self.place is not None:
+            tip = np.add(self.place, ARROW * viewer.undeformed.size * self._direction(viewer))
             viewer.arrow = (self.place, tuple(tip.tolist()))
         self.complain("")
         where = "" if self.held is None else word("Held at {}.").format(", ".join(f"{value:.0f}" for value in self.held))

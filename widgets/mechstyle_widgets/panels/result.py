@@ -10,12 +10,12 @@ from mechstyle.loop.history import standing
 from mechstyle.records import Row, sentences
 from mechstyle.runs.run import Run
 from mechstyle.runs.summary import on_little
-from mechstyle.simulation.estimate import landings_on_the_way, plan_of
+from mechstyle.simulation.estimate import falls_of_a_test, landings_on_the_way, plan_of
 from mechstyle.simulation.printed import plastic_share
 from mechstyle_widgets.jupyter.language import said, word
 from mechstyle_widgets.panels.branches import kept, said_of
 from mechstyle_widgets.settings.section import WIDE, Words, table
-from mechstyle_widgets.state.on_show import OnShow, on_show
+from mechstyle_widgets.state.on_show import OnShow, on_show, summary_of
 from mechstyle_widgets.state.studio_state import StudioState
 
 LANES = ("run", "outcome", "kept")
@@ -37,7 +37,8 @@ class Result(Words):
     def _tell(self, _change: object = None) -> None:
         shown = on_show(self._state)
         if shown is None:
-            items = "".join(f"<li>{escape(said(step))}</li>" for step in steps(self._state.settings))
+            plan = (" · ".join(filter(None, (said(step), falls(count, more)))) for step, count, more in steps(self._state.settings))
+            items = "".join(f"<li>{escape(line)}</li>" for line in plan)
             self.say(f"<b>{escape(word('What will happen'))}</b><ol>{items}</ol>")
             return
         which = "This run: {}" if self._state.busy else "Last run: {}"  # as the badge has it
@@ -66,7 +67,7 @@ class Result(Words):
         run, shown = self._state.run, on_show(self._state)
         if run is None or shown is None or shown.kept is None:
             return ""
-        notes = run.summary.notes
+        notes = summary_of(run).notes
         items = "".join(f"<li>{escape(said(note))}</li>" for note in notes if note != on_little(notes))
         return f"<ul>{items}</ul>" if items else ""
 
@@ -83,7 +84,7 @@ class Result(Words):
 def figures(shown: OnShow, weight: str = "", how: str = "", beside: str = "") -> str:
     """HTML of three figures of what is on show, each with a few words: what stays bent, the style that is left, what it weighs."""
     row = None if shown.verdict is None else shown.verdict.deciding
-    bent, about = "–", said(shown.words)
+    bent, about = "–", said(shown.words) if shown.verdict is not None else ""  # what was not tested says so above
     if row is not None:
         plain = [] if row.plain_permanent_set is None else [word("plain {}").format(sentences.bend(row.plain_permanent_set))]
         bent, _, cracks = said(sentences.found(row)).partition(", ")  # a large figure is short, or it takes three lines
@@ -124,8 +125,14 @@ def carried(row: Row) -> str:
     return f"it carries {'at least ' if row.most_tried else ''}{row.carries:.2f} times the load {row.load!r}"
 
 
-def steps(settings: Mapping[str, Any]) -> list[str]:
-    """What a run with these settings does, one thing after the other."""
+def falls(count: int, more: int = 0) -> str:
+    """So many falls, and so many more if the part is corrected, in the language spoken; "" for none."""
+    words = word("1 fall") if count == 1 else word("about {} falls").format(count) if count else ""
+    return f"{words}, {word('{} more if it is corrected').format(more)}" if more else words
+
+
+def steps(settings: Mapping[str, Any]) -> list[tuple[str, int, int]]:
+    """What a run with these settings does, one thing after the other, with its falls, and those of one correction."""
     plan, loads = plan_of(settings), settings.get("loads", ())
     if plan is None:
         return []
@@ -136,10 +143,11 @@ def steps(settings: Mapping[str, Any]) -> list[str]:
     ways += [f"in {others} other landing{'s' if others > 1 else ''}"] if others else []
     how = " and ".join(filter(None, (", ".join(ways[:-1]), ways[-1])))
     carried, times = ", and load it" if loads else "", "once" if between == 1 else f"{between} times"
+    whole, steering = falls_of_a_test(settings), between * (landings + len(loads))
     return [
-        *([f"Thicken it by up to {budget:g} mm where it does not hold as it is"] if budget else []),
-        f"Drop the plain part {how}{carried}",
-        f"Style it in {plan.places[-1]} small steps",
-        *([f"Drop it on the way, {about}{times}, in {landings} landing{'s' if landings > 1 else ''}"] if between else []),
-        f"Drop what has come of it {how}{carried}",
+        *([(f"Thicken it by up to {budget:g} mm where it does not hold as it is", 0, 0)] if budget else []),
+        (f"Drop the plain part {how}{carried}", whole, 0),
+        (f"Style it in {plan.places[-1]} small steps", 0, 0),
+        *([(f"Drop it on the way, {about}{times}, in {landings} landing{'s' if landings > 1 else ''}", steering, 0)] if between else []),
+        (f"Drop what has come of it {how}{carried}", whole, whole if settings.get("guarantee", True) else 0),
     ]

@@ -37,7 +37,7 @@ MAY = {
 """In which states each button does something."""
 GOES_ON = ("paused", "stopped", "failed")
 """In which states running is going on, unless the settings ask for another run."""
-AT_REST = ("idle", "stopped", "finished", "failed")
+NOT_RUNNING = ("idle", "stopped", "finished", "failed")
 """In which states nothing is in hand."""
 FOLLOWED = (
     "status", "pausing", "stage", "step", "fraction", "seconds_left", "message", "alarming", "iterations_done", "run", "settings",
@@ -97,13 +97,15 @@ class RunControls(Section):
         for name, button in self._buttons.items():
             button.disabled = state.status not in MAY[name] or (name == "pause" and state.pausing)
         self._name()
-        show(self._back, state.another and state.status in AT_REST)
-        over = state.another and state.status in AT_REST
+        show(self._back, state.another and state.status in NOT_RUNNING)
+        over = state.another and state.status in NOT_RUNNING
         self._bar.value, self._bar.bar_style = 0.0 if over else state.fraction, "info"  # green, amber and red belong to verdicts
         (self._bar.add_class if state.status == "preparing" else self._bar.remove_class)("mechstyle-preparing")
         self.words = line_of(state)
         title = f'<span class="mechstyle-title"><b>{escape(self.title)}</b> · </span>' if self.title else ""
-        spoken = f'<span role="status" aria-live="polite">{escape(said(self.words))}</span>'  # what is made is not read out every time
+        about = escape(said(state.stage))
+        # what is made is not read out every time
+        spoken = f'<span role="status" aria-live="polite" title="{about}">{escape(said(self.words))}</span>'
         self._line.value = f'<div class="mechstyle-note">{title}{spoken}</div>'
         self.complain(state.message if state.alarming else "")
         self.note(state.message if not state.alarming else "")
@@ -114,12 +116,13 @@ def line_of(state: Any) -> str:
     parts = ["ready" if state.status == "idle" else state.status]
     if state.run is not None and state.status != "preparing":
         parts = [f"{state.status}, iteration {state.iterations_done} of {state.length}"]
-    if state.status == "idle" or (state.another and state.status in AT_REST):
+    if state.status == "idle" or (state.another and state.status in NOT_RUNNING):
         parts = ["ready", *([state.outlook] if state.outlook else [])]
     if state.pausing:
         parts.append(f"pausing … when this {'drop test' if state.stage.startswith('drop test') else 'iteration'} has ended")
     if state.stage:
-        parts.append(f"{state.stage}, {state.step:.0%}" if state.stage.startswith("drop test") and state.step > 0 else state.stage)
+        what, _, why = state.stage.partition(": ")  # why it is dropped takes two lines: it is read under the mouse
+        parts.append(f"{what}, {state.step:.0%}" if what == "drop test" and state.step > 0 else what if why else state.stage)
     if state.seconds_left is not None:
         parts.append(f"about {duration(state.seconds_left)} left")
     return " · ".join(parts)

@@ -48,7 +48,7 @@ class TakeAway(Section):
         self._code = self._button("Copy as code", "code", "The lines of Python that make this run again")
         self._code.on_click(self._copy)
         self._slicer = lean(
-            ipywidgets.Dropdown, options=SLICERS, description="for", style={"description_width": "initial"}, layout={"width": "auto"},
+            ipywidgets.Dropdown, options=SLICERS, description="3MF for", style={"description_width": "initial"}, layout={"width": "auto"},
             tooltip="Whose 3MF it is: standard or prusa (one strict file), bambu or orca (another)",
         )  # fmt: skip
         first, *others = (self._buttons[name] for name in ("3MF", "Report", "STL", "GLB", "Picture"))
@@ -56,6 +56,7 @@ class TakeAway(Section):
         self._more = lean(ipywidgets.ToggleButton, icon="ellipsis-h", tooltip="STL, GLB, picture, and whose 3MF it is", layout=look)
         rest = lean(ipywidgets.HBox, [self._slicer, *others[1:]], layout={"flex_flow": "row wrap"})
         self._more.observe(lambda change: show(rest, change["new"]), "value")
+        rest.add_class("mechstyle-menu")
         show(rest, False)
         row = lean(ipywidgets.HBox, [first, others[0], self._code, self._more], layout={"flex_flow": "row wrap"})
         super().__init__([row, rest])
@@ -88,6 +89,7 @@ class TakeAway(Section):
         run, iteration = self.state.run, self.state.iteration
         if run is None or self.state.checkpoint is None:
             return
+        self._more.value = False  # what is said of the file stands where the menu was
         self.complain("")
         try:
             branch = "" if run.lane == "main" else f"{run.lane}-"

@@ -210,7 +210,8 @@ class PromptBox(Section):
         if found is not None:
             self._ask_finer = lambda _button: finer(found.vertices)
             self._finer.on_click(self._ask_finer)
-            said = word("{} are drawn {} × larger than asked: the mesh is too coarse.").format(word(found.what), f"{found.times:.1f}")
+            what = word(f"{found.what} of {{}}").rsplit(" ", 2)[0]  # the table has them with their size
+            said = word("{} are drawn {} × larger than asked: the mesh is too coarse.").format(what, f"{found.times:.1f}")
             self._coarse.say(f'<div class="mechstyle-warning" role="status">{escape(said[:1].upper() + said[1:])}</div>')
 
     _ask_finer: Callable[[Any], object] = staticmethod(lambda _button: None)

@@ -24,7 +24,7 @@ from mechstyle_widgets.jupyter.language import said, word
 from mechstyle_widgets.jupyter.looks import lean
 from mechstyle_widgets.settings.section import WIDE, Figure, Read, Section, linked, setting
 
-UNDERSIDES = {"plain": "smooth underside", "level": "relief, standing level", "free": "relief as the style has it"}
+UNDERSIDES = {"plain": "smooth", "level": "relief, standing level", "free": "relief as the style has it"}
 """What becomes of the base, one of `BASES`, in words."""
 BRIEFS = {"plain": "underside smooth", "level": "underside level", "free": "underside styled"}
 """The same where nothing says that it is of the underside."""

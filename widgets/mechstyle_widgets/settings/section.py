@@ -17,7 +17,7 @@ from mechstyle_widgets.jupyter.looks import lean, show, unheard
 from mechstyle_widgets.state.troubles import sentence
 
 WIDE = {"width": "auto"}
-NARROW_LABEL = {"description_width": "116px"}
+NARROW_LABEL = {"description_width": "108px"}
 """Layout of a control as wide as its column, and style of one whose description stands at its left, all in one line."""
 CHECK = {"style": {}, "indent": False}
 """Look of a box to tick, whose description stands at its right."""

@@ -71,7 +71,7 @@ class PictureChoice(PageWidget):
         self.on_msg(self._hear)
         self._hang()
         self._loop = running_loop()
-        self._work = None if self._loop is None else thumbnails.draw_aside(kind, names, self._arrived)
+        self._work = None if self._loop is None else thumbnails.draw_in_worker(kind, names, self._arrived)
 
     def close(self) -> None:
         """Close it and wait for no more pictures."""

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from mechstyle import __version__
 from mechstyle._files import cache_folder, write_whole
-from mechstyle_widgets.jupyter.worker_process import Aside
+from mechstyle_widgets.jupyter.worker_process import WorkerProcess
 
 DRAWING_VERSION = 2
 """Counts changes that alter the pictures, so that those of older code are not shown."""
@@ -56,7 +56,7 @@ def draw(kind: str, name: str) -> bytes:
     return known
 
 
-def draw_aside(kind: str, names: Iterable[str], arrived: Callable[[str, bytes], None]) -> Aside | None:
+def draw_in_worker(kind: str, names: Iterable[str], arrived: Callable[[str, bytes], None]) -> WorkerProcess | None:
     """Draw what is missing in another process; `arrived` is called with name and picture, in a thread.
 
     Returns:
@@ -65,7 +65,7 @@ def draw_aside(kind: str, names: Iterable[str], arrived: Callable[[str, bytes], 
     missing = [name for name in names if cached(kind, name) is None]
     if not missing:
         return None
-    work = Aside(_draw_all, kind, missing)
+    work = WorkerProcess(_draw_all, kind, missing)
 
     def pass_on() -> None:
         for name, picture in work.said():

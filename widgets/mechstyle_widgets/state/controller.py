@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Generator
-from dataclasses import dataclass
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,13 +11,12 @@ from mechstyle.errors import BadInput
 from mechstyle.fea.drop import resolve_device
 from mechstyle.fea.explicit import Progress
 from mechstyle.loop.engine import Checkpointed, Event
-from mechstyle.records import Recipe
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.runs.recipes import FREESTYLE
-from mechstyle.runs.run import Run, started
+from mechstyle.runs.run import Draft, Run
 from mechstyle.runs.session import Session
-from mechstyle.simulation.part import Workpiece
-from mechstyle_widgets.jupyter.prepare import prepare_aside
+from mechstyle.simulation.part import Origin, Workpiece
+from mechstyle_widgets.jupyter.prepare import prepare_in_worker
 from mechstyle_widgets.state.opening import of_ones_own
 from mechstyle_widgets.state.studio_state import FREE, StudioState
 from mechstyle_widgets.state.troubles import gone, sentence
@@ -26,22 +25,10 @@ STOPPING = "the run is being stopped: go on with it when what is in hand has end
 ENDED = "the run has just ended: see what came of it before you go on"
 
 
-@dataclass(frozen=True, eq=False)
-class Wanted:
-    """The run the settings ask for; without a mesh [mm] it is of the part on show, without a folder of one named by prompt and recipe."""
-
-    recipe: Recipe
-    mesh: SurfaceMesh | None
-    vertices: int
-    name: str
-    folder: str = ""
-    device: str = "auto"
-
-
 class Controller:
     """Carries out what people ask for, in the background; what cannot be done is said in `state.message`."""
 
-    def __init__(self, state: StudioState, wanted: Callable[[], Wanted]) -> None:
+    def __init__(self, state: StudioState, wanted: Callable[[], Draft]) -> None:
         """Begin and carry on runs; `wanted` is asked for the settings when one is begun, and may raise BadInput."""
         self.state, self.wanted = state, wanted
         self._begun: dict[Path, tuple[str, int, float]] = {}  # by the folders of the runs begun here: what tells their parts
@@ -166,21 +153,17 @@ class Controller:
             raise BadInput("this lane is finished: change a setting to begin another run, or branch from an earlier iteration")
         return self._carry_on(state.run, then_freely=then_freely)
 
-    def _of_the_same_part(self, wanted: Wanted) -> bool:
+    def _of_the_same_part(self, draft: Draft) -> bool:
         run = self.state.run
-        if wanted.mesh is None or run is None:
-            return wanted.mesh is None
-        return self._begun.get(run.store.place) == (wanted.mesh.digest, wanted.vertices, wanted.recipe.delivery.strengthen)
+        return isinstance(draft.part, Workpiece) or (run is not None and self._begun.get(run.store.place) == _part_of(draft))
 
-    def _begin(self, wanted: Wanted, earlier: Run | None, *, then_freely: bool = False) -> Session:
+    def _begin(self, draft: Draft, earlier: Run | None, *, then_freely: bool = False) -> Session:
         """A session that prepares the part, unless an earlier run has it, begins the run and carries it on."""
-        device = resolve_device(wanted.device)  # refused at once, not in the session
-        part, origin = (wanted.mesh, None) if earlier is None else (earlier.part, None if self.gone else earlier.record.origin)
-        assert part is not None, "a part that is not prepared comes with its mesh"
-        came = part.surface if isinstance(part, Workpiece) and wanted.mesh is None else wanted.mesh  # with which it is wanted from now on
-        thickened = earlier is not None and earlier.part.mass_gained and not self.gone
-        if thickened and earlier is not None and wanted.recipe.delivery.strengthen != earlier.recipe.delivery.strengthen:
-            raise BadInput("the part of this run was thickened already: to thicken it otherwise choose the plain part again")
+        asked, draft = _part_of(draft), replace(draft, device=resolve_device(draft.device))  # refused at once, not in the session
+        if earlier is not None:
+            if earlier.part.mass_gained and not self.gone and draft.recipe.delivery.strengthen != earlier.recipe.delivery.strengthen:
+                raise BadInput("the part of this run was thickened already: to thicken it otherwise choose the plain part again")
+            draft = replace(draft, part=earlier.part, origin=Origin() if self.gone else earlier.record.origin)
 
         def events(progress: Progress) -> Generator[Event, None, None]:
             self.state.tell(status="preparing", fraction=0.0)
@@ -189,18 +172,14 @@ class Controller:
                 self.state.tell(**self.state.left_as_foretold())
                 progress(0.0)
 
-            run = started(
-                wanted.recipe, part, vertices=wanted.vertices, origin=origin, out=wanted.folder or None, name=wanted.name, device=device,
-                stage=lambda words: self.state.tell(stage=words), prepare=prepare_aside, go_on=waits,
-            )  # fmt: skip
-            assert came is not None, "as there is a part"
-            self._begun[run.store.place] = (came.digest, wanted.vertices, wanted.recipe.delivery.strengthen)
+            run = draft.ready(stage=lambda words: self.state.tell(stage=words), prepare=prepare_in_worker, go_on=waits).begin()
+            self._begun[run.store.place] = asked
             self.state.tell(opened=run)
-            if wanted.folder and run.store.place != Path(wanted.folder).absolute():
-                self.state.tell(message=f"{wanted.folder} holds a run with other settings: this one is in {run.store.root}")
+            if draft.folder is not None and run.store.place != Path(draft.folder).absolute():
+                self.state.tell(message=f"{draft.folder} holds a run with other settings: this one is in {run.store.root}")
             yield from self._told(run, progress, then_freely=then_freely)
 
-        return self.state.watch(Session(events), wanted.recipe.schedule.iterations, self.state.expected)
+        return self.state.watch(Session(events), draft.recipe.schedule.iterations, self.state.expected)
 
     def _carry_on(self, run: Run, *, then_freely: bool = False) -> Session:
         self.state.open(run)
@@ -231,3 +210,9 @@ class Controller:
             if run.store.place.is_dir():
                 raise
             raise BadInput(gone(run.store.place)) from error
+
+
+def _part_of(draft: Draft) -> tuple[str, int, float]:
+    """What tells the part of a draft from others, whatever becomes of it: its surface, how fine it is and how far it may be thickened."""
+    surface = draft.part.surface if isinstance(draft.part, Workpiece) else draft.part
+    return surface.digest, draft.vertices, draft.recipe.delivery.strengthen

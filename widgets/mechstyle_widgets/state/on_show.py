@@ -10,6 +10,7 @@ from mechstyle.errors import MechStyleError
 from mechstyle.loop.store import Lane, Store
 from mechstyle.records import Verdict, sentences
 from mechstyle.runs.run import Run
+from mechstyle.runs.summary import Summary
 from mechstyle_widgets.jupyter.language import said, word
 from mechstyle_widgets.state.outcomes import LOOKS, UNTESTED, Look
 from mechstyle_widgets.state.studio_state import StudioState, titled
@@ -84,15 +85,20 @@ def on_show(state: StudioState, lane: str = "", iteration: int | None = None) ->
 
 def share_kept(run: Run) -> float | None:
     """Share of the relief that is left at the end of a lane, which its summary knows; None before the end."""
-    store, lane = run.store, run.lane
-    with suppress(MechStyleError, OSError):  # there is no summary before
-        written = (store.root / "summaries" / f"{lane}.json").stat()
-        return _share_kept(store, lane, store.lane(lane), (written.st_mtime_ns, written.st_size))
     with suppress(MechStyleError):
-        return run.summary.kept
+        return summary_of(run).kept
     return None
 
 
+def summary_of(run: Run) -> Summary:
+    """The summary of a lane, read once as long as neither it nor the lane is written anew; BadInput before the end."""
+    store, lane = run.store, run.lane
+    with suppress(OSError):  # there is none before, which the run itself says
+        written = (store.root / "summaries" / f"{lane}.json").stat()
+        return _summary(store, lane, store.lane(lane), (written.st_mtime_ns, written.st_size))
+    return run.summary
+
+
 @lru_cache(maxsize=64)
-def _share_kept(store: Store, name: str, _ends: Lane, _written: tuple[int, int]) -> float:
-    return Run(store, name).summary.kept  # which reads every checkpoint, and is asked for forty times while a Studio is made
+def _summary(store: Store, name: str, _ends: Lane, _written: tuple[int, int]) -> Summary:
+    return Run(store, name).summary  # which reads every checkpoint, and is asked for forty times while a Studio is made

@@ -18,7 +18,7 @@ from mechstyle.records.regions import Region
 from mechstyle.records.simulation import LIKE_ASKED
 from mechstyle.runs.stylizers import FinishedStyle, finished_style
 from mechstyle.simulation.part import Shape, standardised_before
-from mechstyle_widgets.jupyter.prepare import shape_aside
+from mechstyle_widgets.jupyter.prepare import shape_in_worker
 from mechstyle_widgets.jupyter.throttle import Timer, in_a_thread, running_loop
 from mechstyle_widgets.state.troubles import sentence
 
@@ -155,7 +155,7 @@ class Previewer:
                 raise _Overtaken
 
         key = (wish.mesh.digest, wish.vertices)
-        shape = _ready.pop(key, None) or shape_aside(wish.mesh, wish.vertices, go_on)
+        shape = _ready.pop(key, None) or shape_in_worker(wish.mesh, wish.vertices, go_on)
         _ready[key] = shape
         for old in list(_ready)[:-READY]:
             _ready.pop(old, None)

@@ -22,7 +22,7 @@ from mechstyle.loop.store import Store
 from mechstyle.records import Checkpoint, Simulation
 from mechstyle.runs.run import Run
 from mechstyle.runs.session import Session
-from mechstyle_widgets.jupyter.language import word
+from mechstyle_widgets.jupyter.language import speaking, spoken, word
 from mechstyle_widgets.jupyter.throttle import running_loop
 from mechstyle_widgets.state.time_left import Stopwatch
 from mechstyle_widgets.state.troubles import sentence
@@ -105,10 +105,12 @@ class StudioState(traitlets.HasTraits):
     calm = traitlets.Bool(False)
     price = traitlets.Float(0.0)
     _ends_with: tuple[str, ...] = ASKED
+    _language = ""
 
     def __init__(self, run: Run | None = None, **traits: Any) -> None:
         """Look at a run, if there is one; made in a cell, it learns the kernel's event loop by itself."""
         super().__init__(**traits)
+        self._language = spoken()
         self._lock = threading.Lock()
         self._noted: dict[str, Any] = {}
         self._stale, self._due, self._pumped = False, False, 0.0
@@ -134,11 +136,12 @@ class StudioState(traitlets.HasTraits):
         self.refuse(sentence(error, None if self.run is None else self.run.store.place))
 
     def notify_change(self, change: Any) -> None:
-        """Let nobody's error in hearing of a change end in a log only."""
-        try:
-            super().notify_change(change)
-        except Exception as error:  # noqa: BLE001 — whatever it is, it is said
-            self.alert(error)
+        """Let nobody's error in hearing of a change end in a log only, and be heard in the language of those who follow it."""
+        with speaking(self._language or spoken()):
+            try:
+                super().notify_change(change)
+            except Exception as error:  # noqa: BLE001 — whatever it is, it is said
+                self.alert(error)
 
     @traitlets.observe("message")
     def _said(self, _change: object) -> None:

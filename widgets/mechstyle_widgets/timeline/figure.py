@@ -1,20 +1,19 @@
 """The picture of a timeline: a fixed set of traces, filled anew from the rows of every lane.
 
-It is filled as plain dictionaries: plotly's own objects check every value they are given, which for a run of 120 iterations kept the
-kernel for 30 ms each time (CPU; 1 ms so).
+It is made of plain dictionaries: plotly's own objects check every value they are given, which for a run of 120 iterations kept the
+kernel for 30 ms each time (CPU; 1 ms so), and take a third of a second to load.
 Outcomes differ by shape as well as by colour. Whatever can be clicked carries the name of its lane as custom data.
 """
 
 from __future__ import annotations
 
+import json
 import textwrap
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
 from html import escape
+from importlib.resources import files
 from typing import Any
-
-from plotly import io
-from plotly.subplots import make_subplots
 
 from mechstyle.loop.history import Branch, Row
 from mechstyle.records import sentences
@@ -53,39 +52,48 @@ def _over(kept: Any, new: Any) -> Any:
 @cache
 def template(theme: str) -> dict[str, Any]:
     """What plotly's template for a theme says, as its scripts read it."""
-    said: dict[str, Any] = io.templates[TEMPLATES[theme]].to_plotly_json()
+    said: dict[str, Any] = json.loads(plotly_file(f"templates/{TEMPLATES[theme]}.json"))
     return said
+
+
+def plotly_file(name: str) -> str:
+    """A file that plotly brings for its scripts."""
+    return (files("plotly") / "package_data" / name).read_text(encoding="utf-8")
 
 
 @cache
 def _empty() -> dict[str, Any]:
-    """The figure with all its traces, none of them filled."""
-    figure = make_subplots(rows=2, cols=1, shared_xaxes=True, vertical_spacing=0.05)
+    """The figure with all its traces, none of them filled: lanes above, what stays bent below, over the same iterations."""
+    above: dict[str, Any] = {"type": "scatter", "xaxis": "x", "yaxis": "y"}
+    below: dict[str, Any] = {"type": "scatter", "xaxis": "x2", "yaxis": "y2"}
     line = {"mode": "lines", "hoverinfo": "skip", "showlegend": False}
-    figure.add_scatter(row=1, col=1, line={"color": FAINT, "width": 2}, **line)
-    figure.add_scatter(row=1, col=1, mode="markers", showlegend=False)
-    for outcome in LOOKS:
-        figure.add_scatter(row=1, col=1, mode="markers", name=outcome)
-    figure.add_scatter(row=2, col=1, line={"color": FAINT, "width": 1.5}, **line)
-    figure.add_scatter(row=2, col=1, line={"color": LOOKS["FAILS"].line, "width": 1.5, "dash": "dash"}, **line)
-    figure.add_scatter(row=2, col=1, mode="lines+markers", line={"color": INK, "width": 1.5}, showlegend=False)
-    figure.add_scatter(row=1, col=1, mode="lines+markers", name="planned", line={"color": FAINT, "width": 2})
+    across, up = {"domain": [0.0, 1.0], "fixedrange": True, "zeroline": False}, {"fixedrange": True, "zeroline": False, "automargin": False}
     rule = {"type": "line", "xref": "x", "yref": "paper", "x0": 0, "x1": 0, "y0": 0, "y1": 1, "line": {"color": "#e08e0b", "width": 2}}
-    figure.update_layout(
-        shapes=[rule],
-        dragmode=False,
-        hovermode="closest",
-        paper_bgcolor="rgba(0,0,0,0)",
-        plot_bgcolor="rgba(0,0,0,0)",
-        margin={"l": LEFT, "r": RIGHT, "t": 18, "b": 30},
-        font={"size": 11},
-        legend={"orientation": "h", "x": 1.0, "xanchor": "right", "y": 1.02, "yanchor": "bottom", "itemclick": False},
-    )
-    figure.update_xaxes(fixedrange=True, zeroline=False)
-    figure.update_yaxes(fixedrange=True, zeroline=False, automargin=False)
-    said: dict[str, Any] = figure.to_dict()
-    del said["layout"]["template"]  # that of a theme takes its place
-    return said
+    return {
+        "data": [
+            {**above, **line, "line": {"color": FAINT, "width": 2}},
+            {**above, "mode": "markers", "showlegend": False},
+            *({**above, "mode": "markers", "name": outcome} for outcome in LOOKS),
+            {**below, **line, "line": {"color": FAINT, "width": 1.5}},
+            {**below, **line, "line": {"color": LOOKS["FAILS"].line, "width": 1.5, "dash": "dash"}},
+            {**below, "mode": "lines+markers", "line": {"color": INK, "width": 1.5}, "showlegend": False},
+            {**above, "mode": "lines+markers", "name": "planned", "line": {"color": FAINT, "width": 2}},
+        ],
+        "layout": {
+            "xaxis": {"anchor": "y", "matches": "x2", "showticklabels": False, **across},
+            "yaxis": {"anchor": "x", **up},
+            "xaxis2": {"anchor": "y2", **across},
+            "yaxis2": {"anchor": "x2", **up},
+            "margin": {"l": LEFT, "r": RIGHT, "t": 18, "b": 30},
+            "font": {"size": 11},
+            "legend": {"orientation": "h", "x": 1.0, "xanchor": "right", "y": 1.02, "yanchor": "bottom", "itemclick": False},
+            "shapes": [rule],
+            "dragmode": False,
+            "hovermode": "closest",
+            "paper_bgcolor": "rgba(0,0,0,0)",
+            "plot_bgcolor": "rgba(0,0,0,0)",
+        },
+    }
 
 
 def contents(

@@ -7,14 +7,13 @@ from typing import Any
 
 import ipywidgets
 import traitlets
-from plotly.offline import get_plotlyjs
 
 from mechstyle.simulation.estimate import plan_of
 from mechstyle_widgets.jupyter.cell_output import OncePerCell
 from mechstyle_widgets.jupyter.frame import Framed, unseen
 from mechstyle_widgets.jupyter.looks import close_family, lean, sharing, show, unheard
 from mechstyle_widgets.jupyter.page_widget import PageWidget, static
-from mechstyle_widgets.jupyter.throttle import Paced
+from mechstyle_widgets.jupyter.throttle import Throttled
 from mechstyle_widgets.state.studio_state import Linked, StudioState
 from mechstyle_widgets.timeline import figure as timeline_figure
 from mechstyle_widgets.timeline.figure import TEMPLATES
@@ -50,7 +49,7 @@ class Curves(PageWidget):
     def _hear(self, _widget: Any, message: Any, _buffers: Any) -> None:
         kind = message.get("kind") if isinstance(message, dict) else None
         if kind == "plotly":
-            self.send({"kind": "plotly"}, [get_plotlyjs().encode()])
+            self.send({"kind": "plotly"}, [timeline_figure.plotly_file("plotly.min.js").encode()])
         elif kind == "click":
             self._told(int(message["trace"]), int(message["point"]))
 
@@ -84,7 +83,7 @@ class Timeline(Linked, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[mi
         self._curves.observe(self._slid, "head")
         super().__init__([self._curves, self._play])
         self.add_class("mechstyle-timeline")
-        self._redraw, self._point = Paced(self._draw, state.alert), Paced(self._move_line, state.alert)
+        self._redraw, self._point = Throttled(self._draw, state.alert), Throttled(self._move_line, state.alert)
         self.link(state)
         state.observe(self._heard, ("histories", "branches", "lane", "settings"))
         self.observe(lambda _: self._redraw(), "theme")

@@ -8,7 +8,8 @@ from html import escape
 import ipywidgets
 import numpy as np
 
-from mechstyle.records import Checkpoint, Verdict, sentences
+from mechstyle.pictures.fields import most_bent
+from mechstyle.records import Checkpoint, Simulation, Verdict, sentences
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle_widgets.jupyter.language import said
 from mechstyle_widgets.jupyter.looks import lean, show
@@ -82,12 +83,12 @@ def of_pane(shown: OnShow) -> str:
     return f'<small title="{whole}">{_outcome(shown, shown.verdict.outcome)}<br>{figures}</small>'
 
 
-def worst_vertex(mesh: SurfaceMesh, checkpoint: Checkpoint, verdict: Verdict) -> int:
-    """Vertex of a displaced part nearest to where it stays bent; of the largest stress in that test where it does not."""
+def worst_vertex(mesh: SurfaceMesh, checkpoint: Checkpoint, simulation: Simulation, verdict: Verdict) -> int:
+    """Vertex of a displaced part at which it counts as most bent; of the largest stress in that test where nothing stays bent."""
     row = verdict.deciding
     if row is None or not row.place:
         return int(np.nanargmax(checkpoint.stress))
-    return int(np.linalg.norm(mesh.vertices - np.asarray(row.where), axis=1).argmin())
+    return most_bent(mesh.vertices, row, simulation)
 
 
 def _outcome(shown: OnShow, words: str = "") -> str:

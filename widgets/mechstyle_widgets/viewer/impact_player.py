@@ -22,7 +22,7 @@ from mechstyle.records.sentences import bend
 from mechstyle.records.written import written
 from mechstyle.simulation.impact import FALLING, Impact, heights, impact_of
 from mechstyle_widgets.jupyter.frame import unseen
-from mechstyle_widgets.jupyter.language import said
+from mechstyle_widgets.jupyter.language import said, word
 from mechstyle_widgets.jupyter.looks import close_family, lean
 from mechstyle_widgets.jupyter.throttle import Timer, in_a_thread, running_loop
 from mechstyle_widgets.state.studio_state import StudioState
@@ -90,7 +90,7 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
         self._peak = lean(ipywidgets.Button, description="peak", tooltip="To the moment of the largest stress", layout={"width": "auto"})
         self._slider = lean(ipywidgets.IntSlider, min=-FALLING, readout=False, tooltip="Arrow keys step", layout={"width": "220px"})
         self._time = lean(ipywidgets.HTML, layout={"width": "140px"})
-        factors, narrow = [(f"× {factor}", float(factor)) for factor in FACTORS], {"width": "84px"}
+        factors, narrow = [(word("bend × {}").format(factor), float(factor)) for factor in FACTORS], {"width": "124px"}
         what = "How many times larger the deformation is drawn"
         self.factor = unseen(lean(
             ipywidgets.Dropdown, options=factors, value=self.exaggeration, description="deformed", tooltip=what, layout=narrow,
@@ -166,7 +166,7 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
         self.landing = name if name in self._landings else self.landing
 
     def put_away(self) -> None:
-        """Show the part at rest again; a drop that is being worked out ends."""
+        """Show the undeformed part again; a drop that is being worked out ends."""
         self._over.set()
         self._halt()
         self._others, self.impact = (), None
@@ -180,6 +180,8 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
         impacts = (self.impact, *self._others)
         impact = impacts[pane] if pane < len(impacts) else None
         if impact is None or self.impact is None or self._state.run is None:
+            return subject
+        if impact.displacement.shape[1] != len(subject.mesh.vertices):  # of the part that was on show before
             return subject
         if self.frame < 0:
             return self._in_the_air(subject, impact)

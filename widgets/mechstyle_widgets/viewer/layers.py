@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from mechstyle.errors import BadInput
 from mechstyle.pictures.colormap import Scale
-from mechstyle.pictures.fields import STAYS_BENT, Quantity, known
+from mechstyle.pictures.fields import STAYS_BENT, Quantity, known, most_bent
 from mechstyle.records import Checkpoint, Simulation
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.runs.run import Run
@@ -35,6 +35,8 @@ class Layer:
         title: What the menu calls it; the name by default.
         said: How a value at one place is written; as a figure with its unit if None.
         edge: What the threshold is, as `Quantity.edge` has it.
+        peak: Vertex at which the greatest value is marked, None for the first that has it.
+        aged: Whether it was found on the surface of an earlier iteration, so that it is no answer on this one.
     """
 
     name: str
@@ -47,6 +49,8 @@ class Layer:
     title: str = ""
     said: Callable[[float], str] | None = None
     edge: str = "limit"
+    peak: int | None = None
+    aged: bool = False
 
     def __post_init__(self) -> None:
         """Freeze the values and refuse a scale that is none."""
@@ -91,7 +95,7 @@ class Layer:
         known = np.isfinite(self.values)
         if not known.any() or np.ptp(self.values[known]) == 0:
             return None
-        return int(np.nanargmax(self.values)), int(np.nanargmin(self.values))
+        return int(np.nanargmax(self.values)) if self.peak is None else self.peak, int(np.nanargmin(self.values))
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,7 +161,11 @@ def subject_of(run: Run, state: Checkpoint) -> Subject:
     simulation = run.store.objects.get_record(state.simulation, Simulation) if state.simulation else None
     recipe, newest, verdict = run.store.recipe(state.recipe), run.store.checkpoint(run.store.lane(run.lane).head), run.store.verdict(state)
     found = known(recipe, state, simulation, run.part.thickness, newest, verdict)
-    layers = tuple(layer_of(field.quantity, field.values, field.seen, field.note) for field in found)
-    row = None if verdict is None or simulation is None else verdict.deciding
-    bend = None if row is None or simulation is None else simulation.set_of(landing=row.landing, load=row.load)
-    return Subject(mesh, layers, bend)
+    layers = (replace(layer_of(field.quantity, field.values, field.seen, field.note), aged=field.aged) for field in found)
+    subject = Subject(mesh, tuple(layers))
+    row, bent = None if verdict is None else verdict.deciding, subject.layer(STAYS_BENT)
+    if row is None or simulation is None:
+        return subject
+    if bent is not None:
+        subject = subject.with_layer(replace(bent, peak=most_bent(mesh.vertices, row, simulation)))
+    return replace(subject, bend=simulation.set_of(landing=row.landing, load=row.load))

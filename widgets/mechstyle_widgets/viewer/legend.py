@@ -37,15 +37,16 @@ def colour_bar(layer: Layer, mesh: SurfaceMesh, bands: int = 0, *, brief: bool =
         shift = min(max(place, 0.0), 1.0)
         ticks += f'<span style="position:absolute;left:{place:.1%};transform:translateX(-{shift:.0%})">{words}</span>'
     beyond = ""
-    if layer.threshold is not None and not brief:
+    if layer.threshold is not None and not brief and not layer.aged:
         there = scale.beyond(layer.values)
         share = f"{mesh.vertex_areas[there].sum() / mesh.vertex_areas.sum():.1%} of the surface" if there.any() else "nothing"
         beyond = escape(translated(f"{share} {BEYOND[layer.edge]} {layer.threshold:.3g} {layer.unit}".rstrip()))
     lines = [f"<div><b>{escape(translated(layer.caption))}</b></div>"]
     lines.append(f'<div style="width:{BAR_WIDTH}px;height:12px;border-radius:2px;background:{_gradient(scale, bands)}"></div>')
     lines.append(f'<div style="position:relative;width:{BAR_WIDTH}px;height:1.5em">{ticks}</div>')
-    said = () if brief else (_extremes(layer), beyond, escape(translated(layer.note)))
-    lines += [f'<div style="color:{FAINT}">{line}</div>' for line in said if line]
+    note = escape(translated(layer.note))
+    said = () if brief else (" &emsp; ".join(filter(None, (_extremes(layer), note))), beyond)
+    lines += [f'<div style="color:{FAINT};white-space:normal">{line}</div>' for line in said if line]
     return _block("".join(lines))
 
 
@@ -99,7 +100,7 @@ def _extremes(layer: Layer) -> str:
     found = layer.extremes()
     if found is None:
         return ""
-    words = escape(f"○ max {layer.at(found[0])}   ▽ min {layer.at(found[1])}").replace("   ", " &emsp; ")
+    words = escape(f"○ max {layer.text_at(found[0])}   ▽ min {layer.text_at(found[1])}").replace("   ", " &emsp; ")
     return f'<span title="{word("dashed where it is on the far side")}">{words}</span>'
 
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from mechstyle_widgets.jupyter.language import word
 from mechstyle_widgets.jupyter.looks import close_family, lean, show
-from mechstyle_widgets.viewer.layers import Subject
+from mechstyle_widgets.viewer.layers import Layer, Subject
 
 COLUMNS = (("stress", "stress [MPa]"), ("stays_bent", "stays bent [mm]"), ("thickness", "wall [mm]"))
 """Layers the list shows, and what it calls them."""
@@ -94,5 +94,12 @@ def as_csv(subject: Subject, vertices: Sequence[int]) -> str:
 
 def _row(subject: Subject, vertex: int) -> list[str]:
     place = ", ".join(f"{value:.1f}" for value in subject.mesh.vertices[vertex])
-    values = [math.nan if (layer := subject.layer(name)) is None else float(layer.values[vertex]) for name, _ in COLUMNS]
-    return [place, *(f"{value:.3g}" if math.isfinite(value) else "–" for value in values)]
+    return [place, *("–" if (layer := subject.layer(name)) is None else _figure(layer, vertex) for name, _ in COLUMNS)]
+
+
+def _figure(layer: Layer, vertex: int) -> str:
+    """A value without its unit, as what tells it elsewhere has it; the heading of the column names the unit."""
+    value = float(layer.values[vertex])
+    if not math.isfinite(value):
+        return "–"
+    return f"{value:.3g}" if layer.said is None else layer.said(value).removesuffix(f" {layer.unit}")

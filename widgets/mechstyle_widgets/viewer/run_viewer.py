@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import traitlets
@@ -16,8 +17,8 @@ from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.runs.run import Run
 from mechstyle.runs.summary import on_little
 from mechstyle_widgets.jupyter.looks import sharing
-from mechstyle_widgets.jupyter.throttle import Newest, Paced
-from mechstyle_widgets.state.on_show import OnShow, on_show
+from mechstyle_widgets.jupyter.throttle import LatestOnly, Throttled
+from mechstyle_widgets.state.on_show import on_show, summary_of
 from mechstyle_widgets.state.studio_state import Linked, StudioState
 from mechstyle_widgets.viewer import badge
 from mechstyle_widgets.viewer.impact_player import DEFORMED, ImpactPlayer
@@ -65,10 +66,10 @@ class RunViewer(Linked, Viewer):
         """Show the run of a state, so large [pixels]; BadInput if there is no iteration to show yet."""
         if state.run is None or state.checkpoint is None:
             raise BadInput("there is no iteration to show yet: start a run, or open one with Run.open")
-        self._catch_up, self._moment = Paced(self._show_checkpoint, state.alert), Paced(self._show_moment, state.alert)
-        self._newest, self._place = Newest(_seen, self._bring, self._go_back), state.run.store.place
-        self._drawn, self._drawn_lane = state.checkpoint.iteration, state.run.lane
-        self._still = subject = _seen(_Wish(state.run, state.checkpoint, ()))
+        self._catch_up, self._moment = Throttled(self._show_checkpoint, state.alert), Throttled(self._show_moment, state.alert)
+        self._newest, self._place = LatestOnly(_seen, self._bring, self._go_back), state.run.store.place
+        self._drawn = _Wish(state.run, state.checkpoint, ())
+        self._still = subject = _seen(self._drawn)
         original = subject_of(state.run, state.run.checkpoint(0))
         self._rests: tuple[Subject, ...] = (original,)
         self._before = STYLE  # of an impact
@@ -108,10 +109,10 @@ class RunViewer(Linked, Viewer):
         super().close()
 
     @property
-    def at_rest(self) -> SurfaceMesh:
+    def undeformed(self) -> SurfaceMesh:
         """The unstylized part, to which regions belong, whatever style or impact has moved."""
         run = self._state.run
-        return super().at_rest if run is None else run.part.surface
+        return super().undeformed if run is None else run.part.surface
 
     def _stand_beside(self, _change: Any) -> None:
         """Let what is compared stand beside it."""
@@ -163,11 +164,17 @@ class RunViewer(Linked, Viewer):
     @property
     def _drawn_place(self) -> tuple[str, int]:
         """Lane and iteration of what is drawn, which may be a step behind what the state shows."""
-        return self._drawn_lane, self._drawn
+        return self._drawn.run.lane, self._drawn.state.iteration
+
+    @property
+    def up_to_date(self) -> bool:
+        """Whether what is drawn is what the state shows: a correction has the iteration of what it corrects."""
+        return self._drawn.run.lane == self._state.lane and self._drawn.state is self._state.checkpoint
 
     def _judge(self, _change: Any = None) -> None:
         if self._state.run is None or self._state.run.store.place != self._place:
             return
+        self._name((self._drawn_place, *self._places))  # a correction has the iteration of what it corrects
         if self.insight and self.compared:
             self.badge.say(badge.insight(self.insight), self.fly_to_worst)
             return
@@ -176,33 +183,34 @@ class RunViewer(Linked, Viewer):
             self.badge.say("")
             return
         last = f"{'This' if state.busy else 'Last'} run: {shown.title}" if state.another else ""
+        little = "" if state.run is None or shown.kept is None else on_little(summary_of(state.run).notes)
         verdict = shown.verdict
-        self.badge.say(badge.of(shown, last=last, little=self._little(shown)), self.fly_to_worst if verdict and verdict.rows else None)
-
-    def _little(self, shown: OnShow) -> str:
-        """What to try where little of the style is left at the end, which the summary knows; "" where enough is."""
-        run = self._state.run
-        if run is None or shown.kept is None:
-            return ""
-        return on_little(run.summary.notes)
+        self.badge.say(badge.of(shown, last=last, little=little), self.fly_to_worst if verdict and verdict.rows else None)
 
     def fly_to_worst(self) -> None:
         """Look at the place that decides."""
-        shown, checkpoint = on_show(self._state), self._state.checkpoint
-        if shown is None or checkpoint is None or shown.verdict is None:
-            return
         try:
-            self._fly_to(badge.worst_vertex(self._still.mesh, checkpoint, shown.verdict))
+            vertex = self._worst()
+            if vertex is not None:
+                self._fly_to(vertex)
         except Exception as error:  # noqa: BLE001 — whatever it is, it is said
             self._state.alert(error)
 
     def lead_to_worst(self) -> None:
         """Show what stays bent of all of the part, from a side from which its worst place is seen."""
-        shown, checkpoint = on_show(self._state), self._state.checkpoint
-        if shown is not None and shown.verdict is not None and checkpoint is not None:
-            self.look_round(badge.worst_vertex(self._still.mesh, checkpoint, shown.verdict))
+        vertex = self._worst()
+        if vertex is not None:
+            self.look_round(vertex)
             if self._still.layer(STAYS_BENT) is not None:
                 self.layer = STAYS_BENT
+
+    def _worst(self) -> int | None:
+        """The vertex that decides, None where what is on show was not tested."""
+        state, shown = self._state, on_show(self._state)
+        if shown is None or shown.verdict is None or state.checkpoint is None or state.run is None:
+            return None
+        tested = state.simulation(state.run.store, state.checkpoint)
+        return badge.worst_vertex(self._still.mesh, state.checkpoint, tested, shown.verdict)
 
     def _follow(self, _change: Any) -> None:
         self._catch_up()
@@ -213,8 +221,7 @@ class RunViewer(Linked, Viewer):
             self._newest.ask(_Wish(run, state, self.derived))
 
     def _bring(self, wish: _Wish, seen: Subject) -> None:
-        self._drawn, self._drawn_lane = wish.state.iteration, wish.run.lane
-        self._still = seen
+        self._drawn, self._still = wish, seen
         with self.hold_trait_notifications():
             self._name((self._drawn_place, *self._places))
             self._magnify()
@@ -230,7 +237,7 @@ class RunViewer(Linked, Viewer):
 
     def _show_moment(self) -> None:
         if self.layer == STAYS_BENT and self.player.impact is None:
-            shown, *beside = (one.bent(self.player.exaggeration) for one in (self._still, *self._rests))
+            shown, *beside = (_bent(one, self.player.exaggeration) for one in (self._still, *self._rests))
         else:
             shown, *beside = (self.player.at_the_moment(one, pane) for pane, one in enumerate((self._still, *self._rests)))
         with self.hold_trait_notifications():
@@ -267,6 +274,12 @@ class RunViewer(Linked, Viewer):
             self.fit()
         if change["new"] is None and shown == MOMENT and self.subject.layer(self._before):
             self.layer = self._before
+
+
+@lru_cache(maxsize=4)
+def _bent(subject: Subject, factor: float) -> Subject:
+    """The same object again for a pane that stays as it is, so that it is not drawn again."""
+    return subject.bent(factor)
 
 
 def _seen(wish: _Wish) -> Subject:

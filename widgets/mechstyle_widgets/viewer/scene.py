@@ -6,7 +6,7 @@ Replacing a buffer, or adding to a scene on show, leaks memory in the browser.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -71,7 +71,7 @@ class Scene:
             vertexShader=shaders.SHADOW_VERTEX, fragmentShader=shaders.SHADOW_FRAGMENT, side="DoubleSide",
             uniforms={"level": {"value": level}, "shade": {"value": SHADES[theme]}},
         ), frustumCulled=False)  # fmt: skip
-        children = [self.part, self._shadow, *_floor(mesh), self._ruler, self._markers(near_side=False), self._markers(near_side=True)]
+        children = [self.part, self._shadow, *_floor(mesh), self._ruler, *self._markers()]
         self._stage = pythreejs.Group(children=children, position=(-np.asarray(centre)).tolist())
         self.three = pythreejs.Scene(children=[self._stage], background=BACKGROUNDS[theme])
 
@@ -145,14 +145,15 @@ class Scene:
             self._bar.array = _single(_bar(foot, tip, self._thick, arrow=arrow))
         self._ruler.visible = len(ends) == 2
 
-    def _markers(self, *, near_side: bool) -> Any:
-        """All markers over everything, or once more the extremes, where nothing of the part is before them."""
-        geometry = pythreejs.BufferGeometry(attributes={"position": self._spots, "kind": self._kinds})
-        material = pythreejs.ShaderMaterial(
-            vertexShader=shaders.MARKER_VERTEX, fragmentShader=shaders.MARKER_FRAGMENT, depthTest=near_side, depthWrite=False,
-            transparent=True, uniforms={"near_side": {"value": float(near_side)}, "numbers": {"value": _texture(shaders.numbers())}},
-        )  # fmt: skip
-        return pythreejs.Points(geometry, material, frustumCulled=False, renderOrder=2 + near_side)
+    def _markers(self) -> Iterator[Any]:
+        """All markers over everything, and once more the extremes, where nothing of the part is before them."""
+        geometry, numbers = pythreejs.BufferGeometry(attributes={"position": self._spots, "kind": self._kinds}), _texture(shaders.numbers())
+        for near_side in (False, True):
+            material = pythreejs.ShaderMaterial(
+                vertexShader=shaders.MARKER_VERTEX, fragmentShader=shaders.MARKER_FRAGMENT, depthTest=near_side, depthWrite=False,
+                transparent=True, uniforms={"near_side": {"value": float(near_side)}, "numbers": {"value": numbers}},
+            )  # fmt: skip
+            yield pythreejs.Points(geometry, material, frustumCulled=False, renderOrder=2 + near_side)
 
 
 def round_length(wanted: float) -> float:

@@ -97,6 +97,8 @@ class Section(ipywidgets.HBox):  # type: ignore[misc]  # ipywidgets has no types
         inwards = -np.asarray(normal)
         cut: Any = slice_faces_plane
         vertices, faces, found = cut(mesh.vertices, mesh.faces, inwards, -reach * inwards, uv=given)
+        if not len(faces):  # what is left lies in the plane
+            return mesh, values
         colours = None if mesh.colours is None else np.clip(found[:, :3], 0.0, 1.0)
         return SurfaceMesh(vertices, faces, colours), None if values is None else found[:, -1]
 

@@ -8,10 +8,10 @@ is beyond the threshold, hatched and outlined. A field without one has its place
 from __future__ import annotations
 
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from PIL import Image, ImageDraw, ImageFont
 
 from mechstyle._colour import linear_to_srgb
 from mechstyle.pictures.colormap import ABOVE, ABSENT, LINE, PLAIN, STEPS, STRIPE, UNKNOWN, Scale
@@ -21,6 +21,8 @@ OWN, NOTHING, OPEN = 1000.0, -1000.0, -3.0
 MAXIMUM, MINIMUM, PICKED, END, PIN, HIDDEN = 0.0, 1.0, 2.0, 3.0, 10.0, -1.0  # kinds of markers; PIN + 1 is number 1
 COLUMNS, ROWS, CELL = 6, 4, 32  # of the numbers of pins in their texture, and their size [pixels]
 MOST_PINS = COLUMNS * ROWS
+LETTER, FINE = 0.52, 4
+"""Height of their letters, of a cell, and how many times larger they are drawn at first, so that their edges are smooth."""
 LEANS = (0.16, 0.1)
 """How far a shadow lies beside what throws it, along x and y, as a share of its height above the floor."""
 WHOLE = (0.0, 0.0, 0.0, 1.0)
@@ -43,18 +45,13 @@ def ramp() -> NDArray[np.uint8]:
 @lru_cache(maxsize=1)
 def numbers() -> NDArray[np.uint8]:
     """The numbers of pins, white on nothing, a cell each, as a texture, shape [ROWS * CELL, COLUMNS * CELL, 4]."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: PLC0415 — matplotlib is loaded when it is wanted
-    from matplotlib.figure import Figure  # noqa: PLC0415 — as above
-
-    sheet = Figure(figsize=(COLUMNS, ROWS), dpi=CELL)
-    canvas: Any = FigureCanvasAgg(sheet)
+    cell = FINE * CELL
+    sheet, font = Image.new("L", (COLUMNS * cell, ROWS * cell)), ImageFont.load_default(LETTER * cell)
+    pen = ImageDraw.Draw(sheet)
     for number in range(MOST_PINS):
         row, column = divmod(number, COLUMNS)
-        place = ((column + 0.5) / COLUMNS, 1 - (row + 0.53) / ROWS)
-        sheet.text(*place, str(number + 1), size=33, weight="bold", ha="center", va="center_baseline")
-    canvas.draw()
-    ink = 255 - np.asarray(canvas.buffer_rgba())[..., 0]
-    return np.ascontiguousarray(np.stack([ink] * 4, axis=-1))
+        pen.text(((column + 0.5) * cell, (row + 0.5) * cell), str(number + 1), 255, font, anchor="mm", stroke_width=FINE // 2)
+    return np.ascontiguousarray(np.stack([np.asarray(sheet.reduce(FINE))] * 4, axis=-1))
 
 
 def _vec(values: tuple[float, ...]) -> str:

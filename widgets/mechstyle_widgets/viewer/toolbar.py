@@ -40,10 +40,9 @@ class Toolbar(ipywidgets.HBox):  # type: ignore[misc]  # ipywidgets has no types
             options=[("style", STYLE)], description="layer", tooltip="What is shown on the part (1 to 6, L for the next)",
             layout={"width": "auto", "min_width": "108px"},
         ))  # fmt: skip
-        views = [(view.replace("_", " "), view) for view in VIEWS]
+        views = [("seen from", ""), *((view.replace("_", " "), view) for view in VIEWS)]
         self._view = unseen(lean(
-            ipywidgets.Dropdown,
-            options=views, value="three_quarter", description="seen from", tooltip="Where from (Shift with 1 to 5)",
+            ipywidgets.Dropdown, options=views, description="seen from", tooltip="Where from (Shift with 1 to 5)",
             layout={"width": "124px"},
         ))  # fmt: skip
         self._fit = _button("arrows-alt", "Bring the whole part into view (Home)")
@@ -76,7 +75,8 @@ class Toolbar(ipywidgets.HBox):  # type: ignore[misc]  # ipywidgets has no types
         linked |= {"parallel": self._parallel, "cut": self._cut}
         for name, widget in linked.items():
             traitlets.link((self, name), (widget, "value"))
-        self._view.observe(lambda change: fit(change["new"]), "value")
+        self._view.observe(self._look, "value")
+        self._turn = fit
         self._fit.on_click(lambda _: fit(""))
         self._shot.on_click(self._offer_picture)
         for name, button in self._tools.items():
@@ -100,6 +100,12 @@ class Toolbar(ipywidgets.HBox):  # type: ignore[misc]  # ipywidgets has no types
             self.offer(self._layers, self.layer)
         elif change["new"] is not None:
             self.layer = change["new"]
+
+    def _look(self, change: dict[str, Any]) -> None:
+        """Look from there; the menu goes back to its name, as the mouse may turn the part away and one may want that view again."""
+        if change["new"]:
+            self._turn(change["new"])
+            self._view.value = ""
 
     def offer_beside(self, name: str, *, there: bool) -> None:
         """Offer what may stand beside, by its name, if it is there."""

@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from html import escape
-from typing import Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import ipywidgets
 import numpy as np
@@ -20,7 +20,6 @@ from numpy.typing import NDArray
 
 from mechstyle.errors import BadInput, unknown
 from mechstyle.pictures.camera import VIEWS
-from mechstyle.pictures.figure import Panel
 from mechstyle.pictures.panels import Picture, picture
 from mechstyle.records.mesh import Floats, SurfaceMesh
 from mechstyle.records.regions import Point
@@ -29,7 +28,7 @@ from mechstyle_widgets.jupyter.frame import Framed
 from mechstyle_widgets.jupyter.language import said
 from mechstyle_widgets.jupyter.looks import close_family, lean, sharing, show
 from mechstyle_widgets.jupyter.one_thread import hear_on_one_thread
-from mechstyle_widgets.jupyter.throttle import Paced
+from mechstyle_widgets.jupyter.throttle import Throttled
 from mechstyle_widgets.state.troubles import sentence
 from mechstyle_widgets.viewer import legend, probe
 from mechstyle_widgets.viewer.badge import Badge, untested
@@ -40,6 +39,9 @@ from mechstyle_widgets.viewer.scene import BACKGROUNDS, Scene, floor_cell
 from mechstyle_widgets.viewer.section import Section
 from mechstyle_widgets.viewer.shaders import MOST_PINS
 from mechstyle_widgets.viewer.toolbar import TOOLS, Toolbar
+
+if TYPE_CHECKING:
+    from mechstyle.pictures.figure import Panel
 
 BANDS = 9
 """Colours of a field that is shown in steps: each spans five MPa of a strength of 45."""
@@ -58,6 +60,22 @@ ROOM = 0.85
 STALE = "mechstyle-stale"
 """Class of a view whose picture is of a style that is not asked for any more."""
 PICKS = {"m": "measure", "a": "places"}
+
+
+class _Look(NamedTuple):
+    """All that one view shows: a subject with its field and the scale of that, and what is marked, cut off and hatched."""
+
+    subject: Subject
+    scale: tuple[Any, ...] | None
+    bands: int
+    cut: tuple[Any, bool]
+    marks: tuple[Any, ...]
+    protected: NDArray[np.bool_] | None
+
+
+def _alike(one: _Look, other: _Look) -> bool:
+    """Whether two looks draw the same; arrays and subjects are the same where they are one object."""
+    return one.subject is other.subject and one.protected is other.protected and one[1:-1] == other[1:-1]
 
 
 class Viewer(Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
@@ -131,7 +149,7 @@ class Viewer(Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipy
             raise unknown("theme", theme, BACKGROUNDS)
         self._orbit = Orbit(mesh, width / height)
         centre = self._orbit.home.target
-        self._scenes = [Scene(mesh, centre, theme)]
+        self._scenes, self._looks = [Scene(mesh, centre, theme)], list[_Look]()
         self._picker = probe.Picker(self._scenes[0].part, self._orbit.three, self._pick)
         self._views = [self._renderer(self._scenes[0], [*self._orbit.controls, self._picker.three])]
         self._stage = lean(ipywidgets.HBox, self._views)
@@ -155,7 +173,7 @@ class Viewer(Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipy
         self.subject, self.original, self.theme = subject, original, theme
         # an error is said until drawing does not fail; the event loop would keep it to itself
         alert = '<span role="alert">{}</span>'.format
-        self._refresh = Paced(self._draw, lambda error: setattr(self._said, "value", alert(escape(said(sentence(error))))))
+        self._refresh = Throttled(self._draw, lambda error: setattr(self._said, "value", alert(escape(said(sentence(error))))))
         self.layer = layers[0].name if layers else STYLE
         hear_on_one_thread()
         for name in ("layer", "beside", "markers", "stepped", "parallel", "tool"):
@@ -213,6 +231,8 @@ class Viewer(Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipy
         return self.captions[0] if self.captions and len(self._shown) == 1 else ""
 
     def _panels(self) -> list[Panel]:
+        from mechstyle.pictures.figure import Panel  # noqa: PLC0415 — matplotlib is loaded when a picture is wanted
+
         shown, seen, made = self._shown, self._orbit.seen, []
         titles = (self.captions or self.names) if len(shown) > 1 else ("",)
         for subject, layer, title in zip(shown, self._layers, titles, strict=False):
@@ -221,7 +241,8 @@ class Viewer(Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipy
                 continue
             mesh, values = self.section.applied(subject.mesh, layer.values)
             how = (layer.unit, layer.label, layer.limits, layer.threshold, seen, layer.note, layer.edge)
-            made.append(Panel(mesh, title, values, *how))
+            peak = layer.peak if mesh is subject.mesh else None  # a cut part has other vertices
+            made.append(Panel(mesh, title, values, *how, said=layer.said, peak=peak))
         return made
 
     def still(self) -> Callable[[], bytes]:
@@ -230,7 +251,7 @@ class Viewer(Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipy
         return lambda: picture(panels, title=title).png
 
     @property
-    def at_rest(self) -> SurfaceMesh:
+    def undeformed(self) -> SurfaceMesh:
         """The part to which the places of clicks belong."""
         return self.subject.mesh
 
@@ -298,18 +319,13 @@ class Viewer(Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipy
         layer = layers[0]
         self._orbit.follow(self.subject.mesh)
         self._arrange()
-        with ExitStack() as views:  # nothing is drawn until all that changes has changed
-            for view in self._views:
-                views.enter_context(view.hold())
-            for scene, subject, painted in zip(self._scenes, self._shown, layers, strict=False):
-                scene.move(subject.mesh)
-                scene.paint(painted)
-                scene.band(bands)
-                scene.cut(self.section.plane, filled=self.section.filled)
-                field, drawn = subject.layer(self.layer) if self.markers else None, self.measured or self.arrow
-                extremes = None if field is None else field.extremes()
-                scene.mark(extremes, self.probed, self.places, drawn, arrow=not self.measured)
-            self._scenes[0].hatch(self.protected)
+        looks = [self._look_of(number, subject, layer) for number, (subject, layer) in enumerate(zip(self._shown, layers, strict=True))]
+        changed = [number for number, look in enumerate(looks) if number >= len(self._looks) or not _alike(look, self._looks[number])]
+        self._looks = looks
+        with ExitStack() as views:  # nothing is drawn until all that changes has changed, and what does not change is not drawn again
+            for number in changed:
+                views.enter_context(self._views[number].hold())
+                self._show_in(self._scenes[number], looks[number], layers[number])
         mesh = self.subject.mesh
         key = "" if self.protected is None else legend.protected(self.protected, mesh)
         self._legend.value = (legend.colour_bar(layer, mesh, bands, brief=len(self._shown) > 1) if layer else "") + key
@@ -319,6 +335,23 @@ class Viewer(Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipy
         self._list.show(self.subject, self.places)
         self._measure()
         self.drawings += 1
+
+    def _look_of(self, number: int, subject: Subject, layer: Layer | None) -> _Look:
+        """All that a view shows of a subject."""
+        field, cut = subject.layer(self.layer) if self.markers else None, self.section
+        marks = (None if field is None else field.extremes(), self.probed, self.places, self.measured or self.arrow, not self.measured)
+        scale = None if layer is None else (layer.name, layer.limits, layer.threshold)
+        return _Look(subject, scale, BANDS if self.stepped else 0, (cut.plane, cut.filled), marks, None if number else self.protected)
+
+    @staticmethod
+    def _show_in(scene: Scene, look: _Look, layer: Layer | None) -> None:
+        scene.move(look.subject.mesh)
+        scene.paint(layer)
+        scene.band(look.bands)
+        scene.cut(look.cut[0], filled=look.cut[1])
+        *marks, arrow = look.marks
+        scene.mark(*marks, arrow=arrow)
+        scene.hatch(look.protected)
 
     @property
     def _shown(self) -> list[Subject]:
@@ -399,8 +432,8 @@ class Viewer(Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipy
         self._measure()
 
     def fly(self, place: Point) -> None:
-        """Look at a place of the part at rest [mm] from close by, and tell what is known of it."""
-        self._fly_to(int(np.linalg.norm(self.at_rest.vertices - np.asarray(place), axis=1).argmin()))
+        """Look at a place of the undeformed part [mm] from close by, and tell what is known of it."""
+        self._fly_to(int(np.linalg.norm(self.undeformed.vertices - np.asarray(place), axis=1).argmin()))
 
     def look_round(self, vertex: int) -> None:
         """Look at the whole part from a side from which a vertex is seen, and tell what is known of it."""
@@ -498,7 +531,7 @@ class Viewer(Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipy
         if self.tool == "places" and self.probed not in self.places:
             self.places = (*self.places, self.probed)
         weights = weigh(mesh.corners[[face]], np.atleast_2d(where))  # type: ignore[no-untyped-call]
-        self._clicks(tuple((weights[0] @ self.at_rest.corners[face]).tolist()))  # the same place on the part at rest
+        self._clicks(tuple((weights[0] @ self.undeformed.corners[face]).tolist()))  # the same place on the undeformed part
 
 
 class PartViewer(Viewer):
@@ -510,7 +543,7 @@ class PartViewer(Viewer):
         super().__init__(mesh, **look)
 
     @property
-    def at_rest(self) -> SurfaceMesh:
+    def undeformed(self) -> SurfaceMesh:
         """The plain part."""
         return self._rest
 

@@ -131,6 +131,7 @@ export class Player {
   choose(key) {
     this.layer = this.replay.layers.find((layer) => layer.key === key);
     this.threshold = this.layer.threshold;
+    this.describeScale(); // at once: the knob must not clip what is set on it to the range of the last layer
     this.refresh();
     this.tell();
   }

@@ -1,7 +1,7 @@
 // What only the page knows of a Studio: how much room it has, whether the theme is dark, which key was pressed, the whole screen;
 // and what only a page can do: hand a file over.
 
-const LEAST = 320, BELOW = 24; // least height of a view in the full window, and what it leaves for the head of the timeline under its scale [px]
+const LEAST = 320, BELOW = 12; // least height of a view in the full window, and what it leaves for the head of the timeline under its scale [px]
 const QUIET = 120; // a size counts when it has stood still for so long [ms]
 const IN_VIEW = ["+", "-", "=", "Home", "Enter", "PageUp", "PageDown"], ANYWHERE = [..."rn.>c123456amxoliwpzy"];
 const ROOTS = ".mechstyle-studio, .mechstyle-alone";
