@@ -11,6 +11,30 @@ pytestmark = pytest.mark.browser
 PREVIEWED = "Changes as you choose"
 
 
+STALE_LIST = """
+import asyncio
+from ipywidgets import Widget
+from mechstyle_widgets.viewer.viewer import STALE
+answered, loop = Widget._handle_control_comm_msg.__func__, asyncio.get_running_loop()
+class Late:
+    def send(self, *states, **buffers):
+        async def after_a_choice():
+            {choice}
+            while STALE in studio._viewer._dom_classes:
+                await asyncio.sleep(0.05)
+            page.send(*states, **buffers)
+        page, Widget._control_comm = Widget._control_comm.page, None
+        asyncio.run_coroutine_threadsafe(after_a_choice(), loop)
+    def __init__(self, page):
+        self.page = page
+def answered_late(cls, message):
+    cls._control_comm = Late(cls._control_comm)
+    answered(cls, message)
+Widget._handle_control_comm_msg = classmethod(answered_late)
+"""
+"""What was chosen and drawn while a page was told of all models as they were before: it has none of them yet, and hears nothing of it."""
+
+
 LATE = """() => {
     const wait = window.setTimeout;
     window.setTimeout = (act, time, ...given) => wait(act, time === 100 ? 6000 : time, ...given);
@@ -58,6 +82,20 @@ def test_a_page_that_is_loaded_anew_while_a_style_is_drawn_shows_that_style(both
     both.drawn(0)
     assert both.page.get_by_text("Error displaying widget").count() == 0
     both.python("preview.finished_style = drawn")
+
+
+@pytest.mark.parametrize(
+    ("choice", "chosen"), [("studio.prompt_box.prompt = 'wood'", "wood"), ("studio.part_picker.choose('gallery:pen_holder')", "pen holder")]
+)
+def test_what_is_said_while_a_page_makes_its_models_is_shown_once_it_has(both, choice, chosen):
+    both.python(STALE_LIST.format(choice=choice))
+    both.page.reload(wait_until="domcontentloaded")
+    studio = both.page.locator(".mechstyle-studio").first
+    studio.locator("[aria-pressed=true]", has_text=chosen).first.wait_for()
+    studio.get_by_text(PREVIEWED).first.wait_for()
+    both.drawn(0)
+    assert both.page.get_by_text("Error displaying widget").count() == 0
+    both.python("Widget._handle_control_comm_msg = classmethod(answered)")
 
 
 def test_two_views_of_one_studio_are_there_again_after_a_reload_of_a_busy_page(both):

@@ -41,6 +41,7 @@ def kernel_server(home: Path, environment: dict[str, str]) -> Iterator[dict[str,
 def serve(listening: socket.socket) -> None:
     """Fork a kernel for each connection; the process has no other thread, which forks would lack."""
     import ipykernel.kernelapp  # noqa: PLC0415
+    import ipywidgets  # noqa: PLC0415
 
     import mechstyle_widgets.studio  # noqa: F401, PLC0415
     import support.sheet_studio  # noqa: F401, PLC0415
@@ -61,7 +62,10 @@ def serve(listening: socket.socket) -> None:
         os.chdir(asked["folder"])
         threading.Thread(target=_end_with, args=(connection,), daemon=True).start()
         sys.argv = ["ipykernel_launcher", "-f", asked["connection_file"]]
-        ipykernel.kernelapp.launch_new_instance()
+        kernel = ipykernel.kernelapp.IPKernelApp.instance()
+        kernel.initialize()
+        ipywidgets.register_comm_target()  # as its import does in a kernel; without it pages ask for each model by itself
+        kernel.start()
         os._exit(0)
 
 

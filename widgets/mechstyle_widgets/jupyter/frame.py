@@ -9,6 +9,7 @@ import ipywidgets
 import traitlets
 
 from mechstyle_widgets.jupyter.language import word
+from mechstyle_widgets.jupyter.missed import say_again
 from mechstyle_widgets.jupyter.page_widget import PageWidget, static
 from mechstyle_widgets.jupyter.terms import terms
 
@@ -36,6 +37,7 @@ class Frame(PageWidget):
     def __init__(self, *, filled: bool = False) -> None:
         """Say so in the language spoken."""
         super().__init__(filled=filled, was=word("This is a picture of what was. Run the cell to go on."), terms=terms())
+        self.on_msg(lambda _widget, message, _buffers: say_again() if message == {"kind": "made"} else None)
 
     def on_key(self, place: str, call: Callable[..., None]) -> None:
         """Call back with the name of every key pressed in a place, `view` or `studio`; for a view, with `shift` and `ctrl`, too."""

@@ -19,6 +19,7 @@ from typing import Any
 from ipywidgets.widgets import widget as library
 
 from mechstyle_widgets.jupyter.language import language_of, speaking, spoken
+from mechstyle_widgets.jupyter.missed import note_what_is_said
 from mechstyle_widgets.jupyter.throttle import running_loop
 
 LONGEST = 1.0
@@ -51,6 +52,7 @@ def hear_on_one_thread() -> None:
         library._instances = _Models(library._instances)  # noqa: SLF001 — as above
         library.Widget._handle_msg = _in_turn(_in_its_language(library.Widget._handle_msg))  # noqa: SLF001 — as above
         library.Widget.notify_change = _in_its_language(library.Widget.notify_change)
+        note_what_is_said()
 
 
 def _in_its_language(act: Callable[[Any, Any], None]) -> Callable[[Any, Any], None]:

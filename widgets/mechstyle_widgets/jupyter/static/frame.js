@@ -52,11 +52,19 @@ function showAgain(manager) {
   found.forEach((id) => again.add(id));
 }
 
+// What the kernel said while this page made its models had nobody to hear it: once all are made, it is said again.
+async function catchUp(model) {
+  const { restored, restoredStatus } = model.widget_manager;
+  if (restoredStatus === false) await new Promise((done) => restored.connect(done));
+  model.send({ kind: "made" });
+}
+
 let say = (english) => english; // in another language, where the kernel speaks one
 
 function initialize({ model }) {
   say = speaking(model);
   recover(model.widget_manager);
+  catchUp(model);
   model.on("msg:custom", (message, buffers) => {
     if (message.kind === "text") navigator.clipboard?.writeText(message.text).catch(() => {}); // the page shows it as well
     if (message.kind === "news" && document.hidden && globalThis.Notification?.permission === "granted") new Notification(message.text);
