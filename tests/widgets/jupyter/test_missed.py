@@ -25,8 +25,7 @@ def told(monkeypatch):
     hear_on_one_thread()
     heard, send = [], ipywidgets.Widget._send
     monkeypatch.setattr(ipywidgets.Widget, "_control_comm", Page())
-    monkeypatch.setattr(missed, "_said", {})
-    monkeypatch.setattr(missed, "_listed", -missed.LONGEST)
+    monkeypatch.setattr(missed, "_said", missed._Said())
 
     def sent(widget, msg, buffers=None):
         if isinstance(widget, ipywidgets.IntSlider):
@@ -91,10 +90,10 @@ def test_two_pages_that_are_loaded_at_once_are_both_told(told, frame, slider):
         assert told == [{"value": 2, "min": -1}]
 
 
-def test_what_was_said_long_ago_is_not_said_again(told, frame, slider, monkeypatch):
+def test_what_was_said_long_ago_is_not_said_again(told, frame, slider):
     asked(slider)
     slider.value = 2
-    monkeypatch.setattr(missed, "_listed", missed._listed - 2 * missed.LONGEST)
+    missed._said.asked -= 2 * missed.LONGEST
     slider.min = -1
     asked(slider)
     told.clear()
@@ -109,3 +108,10 @@ def test_a_model_that_was_closed_meanwhile_is_let_go(told, frame, slider):
     told.clear()
     frame._handle_msg(MADE)
     assert told == []
+
+
+def test_a_control_that_is_made_meanwhile_is_sent_whole_and_not_said_again(told, frame, slider):
+    asked(slider)
+    made = Frame()
+    assert made.comm is not None
+    assert made.model_id not in missed._said.names

@@ -8,8 +8,9 @@ it again once a page has made its models.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from contextvars import ContextVar
+from dataclasses import dataclass, field
 from functools import wraps
 from typing import Any
 
@@ -18,10 +19,28 @@ from ipywidgets.widgets import widget as library
 LONGEST = 60.0
 """As long a page may take to make its models [s]."""
 
-_said: dict[str, set[str]] = {}
-"""Names of traits that were said since the list, by the model they are of."""
-_listed = -LONGEST
-"""When a page asked for models last [s]."""
+
+@dataclass
+class _Said:
+    """What was said since pages asked for models: names of traits, by the model they are of; and when one asked last [s]."""
+
+    names: dict[str, set[str]] = field(default_factory=dict)
+    asked: float = -LONGEST
+
+    def ask(self) -> None:
+        """A page asks for models: another that is being loaded has not heard what was said before either."""
+        now = time.monotonic()
+        if now - self.asked > LONGEST:
+            self.names.clear()
+        self.asked = now
+
+    def say(self, model: str, names: Iterable[str]) -> None:
+        """Note what is said of a model while a page may be loading."""
+        if time.monotonic() - self.asked < LONGEST:
+            self.names.setdefault(model, set()).update(names)
+
+
+_said = _Said()
 _answering: ContextVar[bool] = ContextVar("answering", default=False)
 """Whether what is said is what a page asked of one model."""
 
@@ -35,7 +54,7 @@ def note_what_is_said() -> None:
 
 def say_again() -> None:
     """Say again, as it is now, what was said since pages asked for their models."""
-    for model, names in list(_said.items()):
+    for model, names in list(_said.names.items()):
         widget = library._instances.get(model)  # noqa: SLF001 — as above
         if widget is not None and widget.comm is not None:
             widget.send_state(set(names))
@@ -46,13 +65,9 @@ def _noting(hear: Callable[[Any, Any], None]) -> Callable[[Any, Any], None]:
 
     @wraps(hear)
     def heard(widget: Any, message: Any) -> None:
-        global _listed
         asked = message["content"]["data"].get("method")
         if asked in ("request_states", "request_state"):
-            now = time.monotonic()
-            if now - _listed > LONGEST:
-                _said.clear()
-            _listed = now
+            _said.ask()
         answering = _answering.set(asked == "request_state")
         try:
             hear(widget, message)
@@ -67,8 +82,8 @@ def _noted(send: Callable[..., None]) -> Callable[..., None]:
 
     @wraps(send)
     def sent(widget: Any, msg: Any, buffers: Any = None) -> None:
-        if msg.get("method") == "update" and not _answering.get() and time.monotonic() - _listed < LONGEST:
-            _said.setdefault(widget.model_id, set()).update(msg["state"])
+        if widget.comm is not None and msg.get("method") == "update" and not _answering.get():
+            _said.say(widget.model_id, msg["state"])
         send(widget, msg, buffers)
 
     return sent
