@@ -34,9 +34,12 @@ LOCAL_ROUNDS = 5
 NEAREST = 1.0 / 16.0
 """How near to the largest factor on the whole relief that passes the bisection comes."""
 REFINEMENTS = 2
-"""Halves of what a lowering here and there took that are given back."""
+"""Halves of what a lowering here and there took that are put back."""
 MIN_GAIN = 0.02
 """Share of the style's relief that a try must promise to be worth a test."""
+
+REASON = "correction: "
+"""How the reason of a test of one of them begins."""
 
 Try = tuple[Field, str]
 """A relief to be tested [mm], shape [vertex_count], and why, in words."""
@@ -95,7 +98,7 @@ class Correction:
         passed = finished if found.passes else None
         failed: Field | None = None
         if self.kept(self.wanted) - self.kept(finished) >= MIN_GAIN:  # masks hold back what half a relief overloads, not the finished one
-            whole = yield self.wanted, "all that was held back given back"
+            whole = yield self.wanted, "all of the held-back relief put back"
             if whole.passes:
                 return
             failed, found = self.wanted, whole
@@ -158,12 +161,12 @@ class Correction:
         return best
 
     def _between(self, passed: Field, failed: Field) -> Generator[Try, Finding, None]:
-        """Half of what was taken given back, and half of that."""
+        """Half of what was taken put back, and half of that."""
         for _ in range(REFINEMENTS):
             half = np.where(self.standing, passed, 0.5 * (passed + failed)).astype(np.float32)
             if self.kept(half) - self.kept(passed) < MIN_GAIN:
                 return
-            result = yield half, "half of what was taken given back"
+            result = yield half, "half of the removed relief put back"
             passed, failed = (half, failed) if result.passes else (passed, half)
 
     @cached_property

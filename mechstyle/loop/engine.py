@@ -285,10 +285,10 @@ class Engine:
         while tried is not None:
             relief, words = tried
             yield Corrected(words, search.kept(relief))
-            yield SimulationStarted(state.iteration, f"correction: {words}")
+            yield SimulationStarted(state.iteration, f"{correction.REASON}{words}")
             share = state.share * correction.remaining_share(finished, relief)
             corrected = replace(state, displacement=relief, share=share, parent=digest, keyframe=None)
-            corrected, simulated = self._simulated(corrected, f"correction: {words}")
+            corrected, simulated = self._simulated(corrected, f"{correction.REASON}{words}")
             yield simulated
             digest, event = self._save(corrected)
             yield event

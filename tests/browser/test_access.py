@@ -249,7 +249,7 @@ def test_words_of_a_table_stay_whole_beside_sentences(visitor):
     """What two iterations were compared in stood there one letter a line, beside a sentence that ran out of the panel."""
     page = visitor.new_page()
     sheet = (files("mechstyle_widgets.jupyter") / "static" / "frame.css").read_text(encoding="utf-8")
-    rows = [("tested because", "correction: all that was held back given back", "last iteration"), ("flat", "1.08 m", "1.10 m")]
+    rows = [("tested because", "correction: all of the held-back relief put back", "last iteration"), ("flat", "1.08 m", "1.10 m")]
     page.set_content(f'<style>{sheet}</style><div style="width: 300px">{table(("", "cautious · 12", "MechStyle · 12"), rows)}</div>')
     lines = page.locator("td:first-child").evaluate_all(LINES)
     wide = page.locator("table").evaluate("table => table.scrollWidth")

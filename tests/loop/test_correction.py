@@ -168,7 +168,7 @@ def test_half_of_what_was_too_much_is_given_back():
     tried, kept = corrected(lambda relief: float(relief[30]) / 0.74, lambda _: peak(*range(20, 40)))
     lowered = tried[1][0]
     assert kept > lowered.mean() / RAISED.mean()
-    assert "half of what was taken given back" in [words for _, words, _ in tried]
+    assert "half of the removed relief put back" in [words for _, words, _ in tried]
 
 
 def test_what_was_tested_as_a_factor_is_not_tested_again_as_half_of_what_was_taken(monkeypatch):
@@ -181,7 +181,7 @@ def test_what_was_tested_as_a_factor_is_not_tested_again_as_half_of_what_was_tak
 
 def test_a_little_is_not_given_back():
     tried, _ = corrected(lambda relief: float(relief[30]) / 0.99, lambda _: peak(30, height=0.9))
-    assert "given back" not in tried[-1][1]
+    assert "put back" not in tried[-1][1]
 
 
 def test_only_a_part_that_fails_in_every_try_loses_all_of_it():
@@ -368,7 +368,7 @@ def test_a_part_that_yields_elsewhere_keeps_its_relief_where_it_stands():
 
 def test_what_was_laid_flat_is_not_given_back_by_halves():
     tried, kept = corrected(lambda relief: 2.0 if relief[30] else 0.9, lambda _: peak(*range(25, 45)), standing=UNDER)
-    given_back = [relief for relief, words, _ in tried if words == "half of what was taken given back"]
+    given_back = [relief for relief, words, _ in tried if words == "half of the removed relief put back"]
     assert given_back
     assert all(np.array_equal(relief == 0.0, tried[1][0] == 0.0) for relief in given_back)
     assert kept > tried[1][0].mean()

@@ -207,7 +207,7 @@ def test_what_masks_held_back_is_given_back_where_the_finished_relief_leaves_res
     events = list(bench.engine(bench.recipe(schedule="every", every=5, threshold=0.05)).run())
     grown = next(state for state in states(events) if state.iteration == 60)
     raised = [event for event in events if isinstance(event, Corrected)]
-    assert [event.step for event in raised] == ["all that was held back given back"]
+    assert [event.step for event in raised] == ["all of the held-back relief put back"]
     last, asked = states(events)[-1], BumpStylizer(len(grown.displacement)).target
     assert last.passes
     assert np.all(last.displacement >= grown.displacement)
@@ -259,7 +259,7 @@ def test_a_correction_lowers_where_the_landing_that_fails_yields(bench):
 def test_nothing_is_given_back_where_it_is_protected(bench):
     bench.gain, bench.freedom = 1.0, np.repeat(np.float32([0.0, 1.0]), 32)
     last = states(bench.engine(bench.recipe(schedule="every", every=5, threshold=0.05)).run())[-1]
-    assert "given back" in last.reason
+    assert "put back" in last.reason
     assert not last.displacement[:32].any()
 
 

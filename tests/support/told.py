@@ -29,7 +29,10 @@ def assert_tells_one_truth(studio: Any) -> None:
     assert outcomes(studio._result.value) == own_words, f"{studio._result.value!r} tells of {own_words}"
     if viewer.compared:
         assert viewer.insight == studio.branches.insight(), f"{viewer.insight!r} is not of what is on show, {shown.caption!r}"
-    if not (viewer.insight and viewer.compared):
+    if viewer.compared:
+        assert not outcomes(viewer.badge._words.value) or viewer.insight, f"{viewer.badge._words.value!r} says it again"
+        assert outcomes(viewer.outcomes[0]) == own_words, f"{viewer.outcomes[0]!r} tells of {own_words}"
+    else:
         assert outcomes(viewer.badge._words.value) == own_words, f"{viewer.badge._words.value!r} tells of {own_words}"
     row, bent = None if own is None else own.deciding, viewer.subject.layer(STAYS_BENT)
     if row is not None and row.stress is None and not row.collapses and bent is not None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -10,8 +12,11 @@ from mechstyle.records import sentences
 from mechstyle.runs.recipes import FREESTYLE
 from mechstyle.runs.run import Draft
 from mechstyle_widgets.panels.branches import Branches, said_of
+from mechstyle_widgets.state.on_show import on_show
 from mechstyle_widgets.state.studio_state import StudioState
+from mechstyle_widgets.viewer import badge
 from mechstyle_widgets.viewer.run_viewer import RunViewer
+from support.told import outcomes
 
 
 def table(branches):
@@ -123,6 +128,23 @@ def test_after_both_one_sentence_stands_over_the_panes_each_with_its_name_and_ba
     assert all(studio.state.row(12, lane).outcome in html for lane, html in zip(("main", "soft"), viewer.outcomes, strict=True))
     studio.state.pinned = None
     assert "mechstyle-insight" not in viewer.badge._words.value.partition("</style>")[2]
+    studio.close()
+
+
+@pytest.mark.usefixtures("controller")
+def test_each_of_several_panes_has_its_outcome_once_and_what_is_kept_of_all_stands_over_them(done, monkeypatch):
+    """Badge, first title and Result said the same words three times."""
+    from mechstyle_widgets.studio import Studio  # noqa: PLC0415 — after the controller's patches
+
+    monkeypatch.setattr("mechstyle_widgets.panels.mask_inspector._freedom", lambda run, _recipe: np.ones_like(run.part.thickness))
+    studio = Studio(done)
+    assert outcomes(studio.viewer.badge._words.value) != set()
+    studio.state.pinned = ("soft", 12)
+    assert outcomes(studio.viewer.badge._words.value) == set()
+    one, other = (replace(on_show(studio.state, lane, 12), kept=kept) for lane, kept in (("main", 0.8), ("soft", 0.5)))
+    assert "Of the relief kept: MechStyle 80%, soft 50%" in badge.of_several([one, other])
+    studio.state.pinned = None
+    assert outcomes(studio.viewer.badge._words.value) != set()
     studio.close()
 
 

@@ -154,8 +154,8 @@ REASONS = (
     "every 4 iterations", "quadratic step 3² = 9", "exponential step 2^3 = 8", "late check after 80% of the iterations", "last iteration",
     "the relief has moved 0.31 mm on a wall of 2.4 mm: more than 10.0% of it",
     "correction: relief lowered around 12 places that yield", "correction: cuts filled around 12 places that yield",
-    "correction: 50% of the whole relief", "correction: the relief removed", "correction: half of what was taken given back",
-    "correction: all that was held back given back",
+    "correction: 50% of the whole relief", "correction: the relief removed", "correction: half of the removed relief put back",
+    "correction: all of the held-back relief put back",
 )  # fmt: skip
 """Why a part is tested, in all that schedules and corrections say."""
 

@@ -7,6 +7,7 @@ import pytest
 from plotly.graph_objects import Figure
 
 from mechstyle.records import Doubt, sentences
+from mechstyle_widgets.state.on_show import on_show
 from mechstyle_widgets.state.outcomes import LOOKS
 from mechstyle_widgets.state.studio_state import StudioState
 from mechstyle_widgets.timeline.figure import contents, story
@@ -63,6 +64,17 @@ def test_hovering_tells_outcome_figure_and_reason_in_two_lines(state):
     assert first == f"<b>a&lt;b · iteration 4</b> · {row.outcome} · {sentences.least(row.verdict)}"
     assert second == "tested after step 4: every 4 iterations"
     assert story("main", state.row(3)) == "<b>main · iteration 3</b> · NOT TESTED"
+    corrected = msgspec.structs.replace(row, reason="correction: half of the removed relief put back")
+    assert story("main", corrected).split("<br>")[1] == "corrected after step 4: half of the removed relief put back"
+
+
+def test_whose_story_it_is_is_said_while_another_run_is_asked_for(state, timeline):
+    state.go_to("main", 4)
+    assert "Last run" not in timeline._curves.story
+    state.another = True
+    assert f"Last run: {on_show(state).title} · " in timeline._curves.story
+    state.another = False
+    assert "Last run" not in timeline._curves.story
 
 
 def test_a_branch_starts_where_it_forks_on_its_parents_line(timeline):

@@ -41,8 +41,7 @@ class Result(Words):
             items = "".join(f"<li>{escape(line)}</li>" for line in plan)
             self.say(f"<b>{escape(word('What will happen'))}</b><ol>{items}</ol>")
             return
-        which = "This run: {}" if self._state.busy else "Last run: {}"  # as the badge has it
-        head = word(which).format(shown.title) if self._state.another else word("Result")
+        head = said(self._state.headed(shown.title) or "Result")
         lanes = list(self._judged())
         judged, doubt = of_show(shown)
         more = f"{judged}{table(LANES, lanes) if lanes else ''}{self._notes()}"

@@ -170,6 +170,10 @@ class StudioState(traitlets.HasTraits):
         """Whether a session is under way, be it paused."""
         return self.session is not None and self.session.state in ("running", "paused")
 
+    def headed(self, title: str) -> str:
+        """What stands over all that tells of a run while another is asked for, "" while none is."""
+        return f"{'This' if self.busy else 'Last'} run: {title}" if self.another else ""
+
     @property
     def length(self) -> int:
         """Iterations that the lane on show is to have."""

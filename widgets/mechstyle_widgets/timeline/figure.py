@@ -15,6 +15,7 @@ from html import escape
 from importlib.resources import files
 from typing import Any
 
+from mechstyle.loop import correction
 from mechstyle.loop.history import Branch, Row
 from mechstyle.records import sentences
 from mechstyle.simulation.estimate import Plan
@@ -204,11 +205,18 @@ def _around(marks: Sequence[tuple[str, Row]]) -> dict[str, Any]:
     return {"color": DOUBT, "width": [2 if row.verdict is not None and row.verdict.doubts else 0 for _, row in marks]}
 
 
-def story(lane: str, row: Row) -> str:
-    """What is said of an iteration, in two lines at most: what came of it, and why it was tested."""
+def story(lane: str, row: Row, last: str = "") -> str:
+    """What is said of an iteration, in two lines at most: what came of it, and why it was tested.
+
+    `last` says whose it is where another run is asked for.
+    """
     found = sentences.NOT_TESTED if row.verdict is None else " · ".join(filter(None, (row.outcome, sentences.least(row.verdict))))
-    lines = [f"<b>{escape(lane)} · {word('iteration')} {row.iteration}</b> · {escape(said(found))}"]
-    return "<br>".join([*lines, *([escape(said(f"tested after step {row.iteration}: {row.reason}"))] if row.reason else [])])
+    whose = " · ".join(filter(None, (said(last), lane, f"{word('iteration')} {row.iteration}")))
+    lines = [f"<b>{escape(whose)}</b> · {escape(said(found))}"]
+    if row.reason:
+        why, corrected = row.reason.removeprefix(correction.REASON), row.reason.startswith(correction.REASON)
+        lines.append(escape(said(f"{'corrected' if corrected else 'tested'} after step {row.iteration}: {why}")))
+    return "<br>".join(lines)
 
 
 def _layout(lanes: Sequence[str], known: Mapping[str, str], lane: str, theme: str, iterations: int) -> dict[str, Any]:

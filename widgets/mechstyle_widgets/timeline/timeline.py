@@ -8,12 +8,14 @@ from typing import Any
 import ipywidgets
 import traitlets
 
+from mechstyle.loop.history import Row
 from mechstyle.simulation.estimate import plan_of
 from mechstyle_widgets.jupyter.cell_output import OncePerCell
 from mechstyle_widgets.jupyter.frame import Framed, unseen
 from mechstyle_widgets.jupyter.looks import close_family, lean, sharing, show, unheard
 from mechstyle_widgets.jupyter.page_widget import PageWidget, static
 from mechstyle_widgets.jupyter.throttle import Throttled
+from mechstyle_widgets.state.on_show import on_show
 from mechstyle_widgets.state.studio_state import Linked, StudioState
 from mechstyle_widgets.timeline import figure as timeline_figure
 from mechstyle_widgets.timeline.figure import TEMPLATES
@@ -86,6 +88,7 @@ class Timeline(Linked, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[mi
         self._redraw, self._point = Throttled(self._draw, state.alert), Throttled(self._move_line, state.alert)
         self.link(state)
         state.observe(self._heard, ("histories", "branches", "lane", "settings"))
+        state.observe(self._whose, ("another", "status"))
         self.observe(lambda _: self._redraw(), "theme")
         self.observe(lambda _: self._point(), "iteration")
         self._move_line()
@@ -107,6 +110,7 @@ class Timeline(Linked, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[mi
         if self._links:
             self.unlink()
             self._state.unobserve(self._heard, ("histories", "branches", "lane", "settings"))
+            self._state.unobserve(self._whose, ("another", "status"))
         close_family(self, *self._links_in_page)
         super().close()
 
@@ -115,6 +119,9 @@ class Timeline(Linked, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[mi
     def _heard(self, change: dict[str, Any]) -> None:
         if change["name"] != "settings" or not self._begun:  # before a run its plan is on show
             self._redraw()
+
+    def _whose(self, _change: object) -> None:
+        self._point()
 
     @property
     def _begun(self) -> bool:
@@ -135,12 +142,17 @@ class Timeline(Linked, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[mi
 
     def _move_line(self) -> None:
         """Show the iteration, and what is said of it; the end goes first, in a message of its own."""
-        row, lane = self._state.row(self.iteration), self._state.lane
+        row = self._state.row(self.iteration)
         self._curves.last = self._state.iterations_done
         with unheard(self._curves, self._slid, "head"):
             self._curves.head = self.iteration
-        self._curves.story = "" if row is None else timeline_figure.story(self._state.called(lane), row)
+        self._curves.story = "" if row is None else self._told(row)
         show(self._play, self._begun)  # there is nowhere to go yet
+
+    def _told(self, row: Row) -> str:
+        """What is said of an iteration under the curves, and whose it is where another run is asked for."""
+        shown = on_show(self._state)
+        return timeline_figure.story(self._state.called(self.lane), row, self._state.headed("" if shown is None else shown.title))
 
     # what the user does
 

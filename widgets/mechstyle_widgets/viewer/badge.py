@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from html import escape
 
 import ipywidgets
@@ -54,20 +54,33 @@ def in_full(verdict: Verdict) -> str:
     return "\n".join(filter(None, (" ".join(sentences.EXPLANATION), verdict.head, *lines, verdict.doubt)))
 
 
+def of_several(panes: Sequence[OnShow], *, last: str = "", little: str = "") -> str:
+    """HTML over several panes, each of which has its own outcome: what is left of the style in each; other arguments as of `of`."""
+    kept = [f"{one.branch} {one.kept:.0%}" for one in panes if one.kept is not None]
+    more = f"Of the relief kept: {', '.join(kept)}" if kept else ""
+    return f"{_head(last)}<small>{escape(said(more))}</small>{_warned(little)}"
+
+
 def of(shown: OnShow, *, last: str = "", little: str = "") -> str:
     """HTML for what is on show: its outcome, the figures of the test that decides, and how it was found where the mouse rests.
 
     `last` says whose it is where another run is asked for, `little` what to try where little is left of the style.
     """
-    head = f"<small><b>{escape(said(last))}</b></small>" if last else ""
     kept = "" if shown.kept is None else f"{shown.kept:.0%} of the relief kept"
     figures, whole = ("", "") if shown.verdict is None else (sentences.least(shown.verdict), in_full(shown.verdict))
     if shown.verdict is None:
         figures = f"since iteration {shown.tested_at}" if shown.tested_at else "so far only the plain part was dropped"
     more = " · ".join(filter(None, (figures, kept)))
-    warned = f'<div class="mechstyle-warning" role="status">{escape(said(little))}</div>' if little else ""
     title = f' title="{escape(said(whole))}"' if whole else ""
-    return f"{head}<div{title}>{_outcome(shown)}</div><small>{escape(said(more))}</small>{warned}"
+    return f"{_head(last)}<div{title}>{_outcome(shown)}</div><small>{escape(said(more))}</small>{_warned(little)}"
+
+
+def _head(last: str) -> str:
+    return f"<small><b>{escape(said(last))}</b></small>" if last else ""
+
+
+def _warned(little: str) -> str:
+    return f'<div class="mechstyle-warning" role="status">{escape(said(little))}</div>' if little else ""
 
 
 def insight(words: str) -> str:

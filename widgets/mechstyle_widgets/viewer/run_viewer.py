@@ -18,7 +18,7 @@ from mechstyle.runs.run import Run
 from mechstyle.runs.summary import on_little
 from mechstyle_widgets.jupyter.looks import sharing
 from mechstyle_widgets.jupyter.throttle import LatestOnly, Throttled
-from mechstyle_widgets.state.on_show import on_show, summary_of
+from mechstyle_widgets.state.on_show import OnShow, on_show, summary_of
 from mechstyle_widgets.state.studio_state import Linked, StudioState
 from mechstyle_widgets.viewer import badge
 from mechstyle_widgets.viewer.impact_player import DEFORMED, ImpactPlayer
@@ -154,12 +154,16 @@ class RunViewer(Linked, Viewer):
 
     def _name(self, shown: tuple[tuple[str, int], ...]) -> None:
         """Say of each pane what it is and what came of it; beside the plain part the badge over the view is that of what is styled."""
-        panes = [pane for place in shown if (pane := on_show(self._state, *place)) is not None]
+        panes = self._panes(shown)
         self.captions = tuple(pane.caption for pane in panes)
         if self.compared:
             self.names, self.outcomes = tuple(pane.pane for pane in panes), tuple(map(badge.of_pane, panes))
         else:
             self.names, self.outcomes = ("styled", "plain"), ("", *map(badge.of_pane, panes[1:]))
+
+    def _panes(self, shown: tuple[tuple[str, int], ...]) -> list[OnShow]:
+        """What is to be said of each lane and iteration."""
+        return [pane for place in shown if (pane := on_show(self._state, *place)) is not None]
 
     @property
     def _drawn_place(self) -> tuple[str, int]:
@@ -182,10 +186,11 @@ class RunViewer(Linked, Viewer):
         if shown is None:
             self.badge.say("")
             return
-        last = f"{'This' if state.busy else 'Last'} run: {shown.title}" if state.another else ""
+        last = state.headed(shown.title)
         little = "" if state.run is None or shown.kept is None else on_little(summary_of(state.run).notes)
-        verdict = shown.verdict
-        self.badge.say(badge.of(shown, last=last, little=little), self.fly_to_worst if verdict and verdict.rows else None)
+        verdict, more = shown.verdict, {"last": last, "little": little}
+        words = badge.of_several(self._panes((self._drawn_place, *self._places)), **more) if self.compared else badge.of(shown, **more)
+        self.badge.say(words, self.fly_to_worst if verdict and verdict.rows else None)
 
     def fly_to_worst(self) -> None:
         """Look at the place that decides."""
