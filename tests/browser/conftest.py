@@ -83,6 +83,22 @@ OURS = re.compile("THREE|anywidget|mechstyle", re.IGNORECASE)
 NOT_OURS = ("[anywidget] Failed to initialize model.", "Canceled future for ")
 """What anywidget says of a script that comes after its two seconds, though ours hear nevertheless (`test_reload`), and JupyterLab of what
 it had asked a kernel that was killed (`test_reopening`)."""
+CUT_SHORT = """() => {
+    const pen = document.createElement('canvas').getContext('2d'), found = [];
+    const seen = place => [...document.querySelectorAll(`.mechstyle-setup ${place}`)].filter(one => one.checkVisibility());
+    for (const one of seen('select:not([size])')) {
+        const { font, paddingLeft, paddingRight } = getComputedStyle(one), before = one.value;
+        pen.font = font;
+        for (const { value, text } of one.options) {
+            one.value = value; // it is as wide as what is chosen needs
+            if (pen.measureText(text).width > one.clientWidth - parseFloat(paddingLeft) - parseFloat(paddingRight)) found.push(text);
+        }
+        one.value = before;
+    }
+    const cut = one => one.scrollWidth > one.clientWidth || one.scrollHeight > one.clientHeight;
+    return [...found, ...seen('.widget-label').filter(cut).map(one => one.textContent)];
+}"""
+"""Labels and choices among the settings of a Studio of which an end is not to be seen."""
 SETTLED = "() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"
 
 

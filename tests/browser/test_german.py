@@ -6,6 +6,8 @@ import pytest
 
 from support.german import english_in
 
+from .conftest import CUT_SHORT, SETTLED, VIEWPORT
+
 pytestmark = pytest.mark.browser
 
 ITERATIONS = 12
@@ -63,3 +65,23 @@ def test_a_page_in_german_has_no_word_of_english(shown):
     texts = shown.page.evaluate(WRITTEN)
     assert {"Schritt", "Start", "Ganzes Fenster", "darf abweichen"} <= {*texts}
     assert {text: found for text in texts if (found := english_in(text))} == {}
+
+
+@pytest.mark.parametrize("language", ["en", "de"])
+def test_no_label_and_no_choice_of_the_settings_is_cut_short(notebook, finished_run, language):
+    """Of "measured against", and of when is tested, only the beginning was to be read."""
+    notebook.open(
+        f"""
+from mechstyle_widgets import Studio
+studio = Studio({str(finished_run.store.root)!r}, language={language!r})
+for group in studio._groups:
+    group.page, group.unfolded = False, True  # all in sight at once
+studio
+"""
+    )
+    notebook.drawn()
+    for width in (720, VIEWPORT["width"], 1440):
+        notebook.page.set_viewport_size({**VIEWPORT, "width": width})
+        notebook.page.evaluate(SETTLED)
+        assert notebook.page.evaluate(CUT_SHORT) == []
+    notebook.page.set_viewport_size(VIEWPORT)

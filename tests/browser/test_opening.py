@@ -10,7 +10,7 @@ from playwright.sync_api import expect
 from mechstyle.geometry.files import save
 from support.knob import knob
 
-from .conftest import VIEWPORT
+from .conftest import SETTLED, VIEWPORT
 
 pytestmark = pytest.mark.browser
 
@@ -40,6 +40,17 @@ def test_a_finished_comparison_is_on_show_and_nothing_is_computed(opened):
         assert said in words
     assert opened.python("print(studio.state.session, studio.previewer.awaited)") == "None False"
     opened.keep("opening")
+
+
+@pytest.mark.parametrize("width", [720, VIEWPORT["width"], 1440])
+def test_what_leads_on_is_seen_without_scrolling(opened, width):
+    """In two columns and in one it stood below the part and its curves."""
+    opened.page.set_viewport_size({"width": width, "height": 900})
+    opened.page.evaluate(SETTLED)
+    opened.page.locator(".mechstyle-studio").evaluate("one => one.scrollIntoView()")
+    box = opened.page.get_by_role("button", name="Make yours").bounding_box()
+    opened.page.set_viewport_size(VIEWPORT)
+    assert box["y"] + box["height"] <= 450
 
 
 def test_no_scale_and_no_word_lies_over_the_part(opened):

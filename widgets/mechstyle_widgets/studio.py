@@ -31,7 +31,7 @@ from mechstyle.simulation.estimate import estimated, landings_on_the_way, plan_o
 from mechstyle.teaching import STYLE, trophy
 from mechstyle_widgets.jupyter.cell_output import OncePerCell
 from mechstyle_widgets.jupyter.frame import Frame
-from mechstyle_widgets.jupyter.language import speak, speaking, spoken, word
+from mechstyle_widgets.jupyter.language import said, speak, speaking, spoken, word
 from mechstyle_widgets.jupyter.looks import close_family, lean, sharing, show, stacked, unheard
 from mechstyle_widgets.jupyter.one_thread import hear_on_one_thread
 from mechstyle_widgets.panels.branches import Branches
@@ -89,14 +89,24 @@ UNSEEN = tuple(name for name in SETTINGS if name not in SHOWN)
 
 @contextmanager
 def plainly() -> Iterator[None]:
-    """Refuse a value of the wrong kind by the name it was given by, in one line."""
+    """Refuse what cannot be used in one line, in the language spoken; a value of the wrong kind by the name it was given by."""
     try:
         yield
+    except BadInput as error:
+        if (told := _said_of_settings(str(error))) == str(error):
+            raise
+        raise BadInput(told) from None
     except traitlets.TraitError as error:
         line = re.sub(r", not the \w+ (.*)\.$", r", not \1", TRAIT.sub(r"\g<name>", str(error)))
         for says, means in IN_WORDS.items():
             line = line.replace(says, means)
-        raise BadInput(line) from None
+        raise BadInput(_said_of_settings(line)) from None
+
+
+def _said_of_settings(line: str) -> str:
+    """A sentence in the language spoken; the setting with which it begins keeps its name, by which it was given."""
+    name, _, rest = line.partition(" ")
+    return said(f"… {rest}").replace("…", name, 1) if name in SETTINGS else said(line)
 
 
 class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types

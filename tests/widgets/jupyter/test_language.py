@@ -10,6 +10,7 @@ from pathlib import Path
 import ipywidgets
 import numpy as np
 import pytest
+import trimesh
 
 from mechstyle.errors import BadInput
 from mechstyle.records import Doubt, sentences
@@ -158,6 +159,56 @@ REASONS = (
     "correction: all of the held-back relief put back",
 )  # fmt: skip
 """Why a part is tested, in all that schedules and corrections say."""
+
+
+def of_a_box(**changes):
+    """The bytes of an STL of a box, changed in some way."""
+    mesh = trimesh.creation.box((40.0, 30.0, changes.get("height", 20.0)))
+    mesh.update_faces(np.arange(len(mesh.faces)) >= changes.get("missing", 0))
+    mesh.apply_scale(changes.get("scale", 1.0))
+    return mesh.export(file_type="stl")
+
+
+FILES = {
+    "leer.stl": b"", "wort.stl": b"hello", "wort.txt": b"x", "kaputt.obj": b"v 0 0 0\nf 1 2 9\n",
+    "offen.stl": of_a_box(missing=4), "riese.stl": of_a_box(scale=1000.0), "meter.stl": of_a_box(scale=0.001),
+    "platte.stl": of_a_box(height=0.05), "punkt.stl": of_a_box(scale=0.0),
+}  # fmt: skip
+"""Files that nothing can be made of, each for another reason."""
+LINES = ("box 1 2", "nonsense 3", "rims", "box 900 900 900 910 910 910", "holes x")
+"""Regions that cannot be read, or hold nothing."""
+
+
+def test_what_is_wrong_with_a_file_or_a_region_of_ones_own_is_said_in_german(monkeypatch, tmp_path):
+    """All of it was English, in a Studio that was German otherwise."""
+    speak("de")
+    (tmp_path / "teile").mkdir()
+    monkeypatch.chdir(tmp_path)
+    studio, complaints = Studio("gallery:pen_holder"), []
+    for name, content in FILES.items():
+        Path(name).write_bytes(content)
+    for path in (*FILES, "nowhere.stl", "teile", "gallery:nothere"):
+        studio.part_picker._path.value = path
+        complaints.append(studio.part_picker._trouble.value)
+    for line in LINES:
+        studio.regions_picker._lines.value = line
+        complaints.append(studio.regions_picker._trouble.value)
+    assert all(complaints)
+    texts = [MARKUP.sub(" ", one).replace(str(tmp_path), "").replace("--unit", "").strip() for one in complaints]
+    assert {text: found for text in texts if (found := english_in(text))} == {}
+
+
+@pytest.mark.parametrize(
+    ("wrong", "told"),
+    [
+        ({"quick": True}, "das Studio hat keine Einstellung 'quick': verlange stattdessen weniger Ecken, zum Beispiel vertices=4000"),
+        ({"schedule": "sometimes"}, "schedule muss eines von"), ({"relief": -1.0}, "relief ist -1, muss aber zwischen 0 und 20 liegen"),
+        ({"part": "nowhere.stl"}, "nowhere.stl gibt es in "), ({"materiel": "PLA"}, "'materiel': meintest du 'material'?"),
+    ],
+)  # fmt: skip
+def test_what_a_studio_cannot_be_asked_for_is_said_in_its_language(wrong, told):
+    with pytest.raises(BadInput, match=re.escape(told)):
+        Studio(**{"part": "gallery:pen_holder", "language": "de", **wrong})
 
 
 TESTED = (

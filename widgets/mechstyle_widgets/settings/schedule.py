@@ -20,7 +20,7 @@ WHAT = {
     "quadratic": "at 1, 4, 9, 16 …",
     "exponential": "at 2, 4, 8, 16 …",
     "geometry": "as the shape changes",
-    "stress": "as the shape changes, sooner where stress is high",
+    "stress": "by shape, sooner at high stress",
     "never": "only at the end",
 }
 
