@@ -43,7 +43,7 @@ stopped, and is bent.
 ABOUT = """\
 Made by `python benchmarks/gallery.py`, for solid PLA, a fall of 1.5 m and a tolerance of 0.2 mm. *Flat* and *nearly flat* are what stays
 bent of the plain part, *strain* its most plastic strain in tension, *carries* how many times its load. Rows of 3000 vertices were
-dropped on a GPU by `python benchmarks/as_printed.py`, without load; they have about as many tetrahedra."""
+dropped on a GPU by `python benchmarks/as_printed.py`, without load."""
 COLUMNS = (
     "model", "outcome", "flat", "nearly flat", "strain", "load", "stays bent", "carries", "what it teaches", "`--protect`", "vertices",
     "tetrahedra",

@@ -19,10 +19,14 @@ SHARP = "import matplotlib.pyplot as plt\nplt.rcParams['figure.dpi'] = 200  # tw
 """A first cell, for figures that are printed."""
 
 
+def tagged(notebook: Any) -> list[Any]:
+    """The cells whose figure is printed."""
+    return [cell for cell in notebook.cells if "print" in cell.metadata.get("tags", [])]
+
+
 def figures(notebook: Any) -> list[tuple[bytes, str]]:
     """PNG bytes and alternative text of the tagged figures of an executed notebook."""
-    cells = [cell for cell in notebook.cells if "print" in cell.metadata.get("tags", [])]
-    shown = [(cell, output.get("data", {})) for cell in cells for output in cell.outputs]
+    shown = [(cell, output.get("data", {})) for cell in tagged(notebook) for output in cell.outputs]
     return [(base64.b64decode(data["image/png"]), cell.metadata["alt"]) for cell, data in shown if "image/png" in data]
 
 
@@ -32,6 +36,8 @@ def main(out: Path, chosen: list[Path]) -> None:
     with tempfile.TemporaryDirectory() as folder:  # one for all of them: what one lesson ran, the next only opens
         for path in chosen:
             notebook = nbformat.read(path, as_version=4)
+            if not tagged(notebook):
+                continue  # nothing of it is printed, and it would be waited for
             notebook.cells.insert(0, nbformat.v4.new_code_cell(SHARP))
             NotebookClient(notebook, timeout=None, resources={"metadata": {"path": folder}}).execute()
             for png, words in figures(notebook):

@@ -20,6 +20,7 @@ from rich.console import Console, ConsoleOptions, RenderResult
 from rich.measure import Measurement
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.table import Table
+from rich.text import Text
 
 from mechstyle.errors import MechStyleError
 from mechstyle.records import Verdict, sentences
@@ -136,7 +137,11 @@ class FittingTable(Table):
     """A table that is a list, with a line for each cell, on a terminal too narrow for its longest words."""
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
-        """The table as rich draws it, or the list."""
+        """The table as rich draws it, where it is too wide with a line for each word of long headings, or the list."""
+        if Measurement.get(console, options.update(width=UNBOUNDED), self).maximum > options.max_width:
+            for column in self.columns:
+                if all(Text.from_markup(str(cell)).cell_len < len(str(column.header)) for cell in column.cells):
+                    column.header = "\n".join(str(column.header).split())
         if Measurement.get(console, options.update(width=UNBOUNDED), self).minimum <= options.max_width:
             yield from super().__rich_console__(console, options)
             return
@@ -152,7 +157,7 @@ class FittingTable(Table):
 
 
 def table(*columns: str, title: str = "", width: int | None = None) -> Table:
-    """A table in the house style; on a narrow terminal headings take a line for each word, many columns stand closer: no word is broken.
+    """A table in the house style; where it does not fit, headings take a line for each word, many columns stand closer: no word is broken.
 
     Args:
         columns: Headings, which are plain text: [mm] is a unit.
@@ -160,11 +165,10 @@ def table(*columns: str, title: str = "", width: int | None = None) -> Table:
         width: Width of the terminal [characters], by default that of standard output.
     """
     many = len(columns) > 8
-    narrow = (out.width if width is None else width) < (120 if many else 100)
-    gap = 1 if narrow and many else 2
+    gap = 1 if many and (out.width if width is None else width) < 120 else 2
     made = FittingTable(title=title or None, title_justify="left", header_style="bold", box=None, pad_edge=False, padding=(0, gap, 0, 0))
     for column in columns:
-        made.add_column(escape("\n".join(column.split()) if narrow else column), overflow="fold")
+        made.add_column(escape(column), overflow="fold")
     return made
 
 

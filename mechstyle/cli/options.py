@@ -34,7 +34,7 @@ Vertices = Annotated[int, OF_MACHINE(help=DETAIL)]
 RunVertices = Annotated[
     int | None, OF_MACHINE("--vertices", help=DETAIL, show_default=f"{STANDARD_VERTICES}; {QUICK_VERTICES} with --quick")
 ]
-Quick = Annotated[bool, OF_MACHINE("--quick", help="A first answer in about a minute: the same tests of fewer vertices.")]
+Quick = Annotated[bool, OF_MACHINE("--quick", help="A first answer in about a minute: the same tests on fewer vertices.")]
 Device = Annotated[str, OF_MACHINE(help="auto, cpu or cuda.")]
 REGIONS = f"A region is one of: {', '.join(KINDS.values())}; then, if wanted, ramp MM and colour."
 Folder = Annotated[Path | None, OF_MACHINE("--out", help="Run directory; the same command goes on where it stopped.")]

@@ -87,8 +87,8 @@ class Style(Chapter, frozen=True, kw_only=True):
         clip: CLIP weights of guidance clip. Kept as `NAME@DIGEST`; "" offline.
         crops: Close looks at each view per iteration of CLIP guidance and loss, 4 as published.
         seed: Seed of everything random in the style.
-        relief: Depth of the relief from its lowest to its highest [mm]; by default the prompt's, or what can be seen and walls bear. It
-            goes before an amplitude, and either before the prompt.
+        relief: Depth of the relief from its lowest to its highest [mm]; by default the prompt's, or what can be seen and the walls allow.
+            It goes before an amplitude, and either before the prompt.
         amplitude: Half the depth of the relief over local wall thickness, instead of a depth in mm.
         side: Where the relief goes from the surface, one of SIDES: auto goes to both, but only outwards where walls are too thin to cut.
         feature: Size of the style's feature, such as the height of a brick [mm]; by default the prompt's, or what fits the part.
@@ -289,8 +289,7 @@ class Delivery(Chapter, frozen=True, kw_only=True):
     Attributes:
         nozzle: Diameter of the printer's nozzle [mm]: features that are not given are sized for it, and finer ones noted; 0 for no rule.
         minimum_wall: The thinnest wall the style may leave [mm]; 0 for no rule.
-        strengthen: The most that a part that does not hold as it is may be thickened by before its style, where it is overloaded [mm]; 0
-            leaves it as it is.
+        strengthen: How much a plain part that does not hold is first thickened where it is overloaded, at most [mm]; 0 for not at all.
     """
 
     LIMITS: ClassVar[Limits] = {"nozzle": (0.0, 5.0), "minimum_wall": (0.0, 100.0), "strengthen": (0.0, 20.0)}

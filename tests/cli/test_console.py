@@ -41,6 +41,15 @@ def test_units_stand_in_the_headings_of_a_table(width):
     assert {"density", "[g/mm³]", "[/red]"} <= set(page.getvalue().split())
 
 
+@pytest.mark.parametrize(("width", "whole"), [(80, True), (40, False)])
+def test_headings_stand_in_one_line_where_the_table_fits(width, whole):
+    rows = table(*sentences.COLUMNS[:1], "stays bent", *sentences.COLUMNS[3:], width=width)
+    rows.add_row("nearly flat, worst of 6", "0.04 mm", "0.20 mm", "1.1%", "HOLDS")
+    page = io.StringIO()
+    Console(file=page, width=width).print(rows)
+    assert ("stays bent" in page.getvalue()) is whole
+
+
 def printed(judged):
     with stdout.capture() as said:
         report_verdict(judged)

@@ -46,6 +46,13 @@ def test_the_figure_for_the_wall_is_the_one_that_is_tagged(path):
     assert all(png.startswith(b"\x89PNG") for png, _ in found)
 
 
+def test_a_notebook_without_such_a_figure_is_not_executed_for_the_wall(tmp_path):
+    script = runpy.run_path(str(ROOT / "notebooks" / "print_figures.py"))
+    nbformat.write(new_notebook(cells=[new_code_cell("raise SystemError")]), tmp_path / "plain.ipynb")
+    script["main"](tmp_path / "figures", [tmp_path / "plain.ipynb"])
+    assert list((tmp_path / "figures").iterdir()) == []
+
+
 def test_slides_load_nothing_and_keep_the_words_of_a_figure():
     figure = new_code_cell("secret = 1", metadata={"alt": "a front that runs up", "slideshow": {"slide_type": "-"}})
     figure.outputs = [new_output("display_data", {"image/png": PIXEL})]

@@ -78,7 +78,7 @@ class DropOptions(Section):
         criterion: What the part is judged by, `robust` or `paper`.
         guarantee: Whether the finished relief is corrected until the part passes.
         minimum_wall: The thinnest wall the style may leave [mm], 0 for no rule.
-        strengthen: The most that a part that does not hold as it is may be thickened by before its style [mm], 0 to leave it as it is.
+        strengthen: How much a plain part that does not hold is first thickened, at most [mm], 0 to leave it as it is.
         vertices: Of the standardised surface.
         device: `auto`, `cpu` or `cuda`.
         folder: Run directory, "" for one named by prompt and recipe.

@@ -115,7 +115,7 @@ class PromptBox(Section):
     Attributes:
         prompt: The style, in words.
         reading: How it was read, None if it could not be.
-        relief: Depth of the relief [mm], None for what can be seen and the walls bear.
+        relief: Depth of the relief [mm], None for what can be seen and the walls allow.
         side: Where it goes from the surface.
         feature: Size of the style's feature [mm], None for what fits the part.
         nozzle: Diameter of the printer's nozzle [mm], for which features are made large enough; 0 for no rule.
