@@ -2,7 +2,7 @@
 
 python benchmarks/sizes.py --sizes 8000 25000 --jobs 14 --json sizes.json           # all parts in brick, 100 000 vertices
 python benchmarks/sizes.py --sizes 0 --vertices 2000 25000 --json vertices.json     # as many tetrahedra as a run makes by itself
-python benchmarks/sizes.py --sizes 8000 25000 wall_hook --vertices 25000            # one of them
+python benchmarks/sizes.py wall_hook --sizes 8000 25000 --vertices 25000            # one of them
 """
 
 from __future__ import annotations
