@@ -95,8 +95,12 @@ CUT_SHORT = """() => {
         }
         one.value = before;
     }
-    const cut = one => one.scrollWidth > one.clientWidth || one.scrollHeight > one.clientHeight;
-    return [...found, ...seen('.widget-label').filter(cut).map(one => one.textContent)];
+    const cut = one => {
+        const text = document.createRange(), room = one.getBoundingClientRect();
+        text.selectNodeContents(one);
+        return [...text.getClientRects()].some(line => line.left < room.left - 1 || line.right > room.right + 1);
+    };
+    return [...found, ...seen(':not(.mechstyle-unseen) > .widget-label').filter(cut).map(one => one.textContent)];
 }"""
 """Labels and choices among the settings of a Studio of which an end is not to be seen."""
 SETTLED = "() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"

@@ -93,9 +93,9 @@ def plainly() -> Iterator[None]:
     try:
         yield
     except BadInput as error:
-        if (sentence := _said_of_settings(str(error))) == str(error):
+        if (words := _said_of_settings(str(error))) == str(error):
             raise
-        raise BadInput(sentence) from None
+        raise BadInput(words) from None
     except traitlets.TraitError as error:
         line = re.sub(r", not the \w+ (.*)\.$", r", not \1", TRAIT.sub(r"\g<name>", str(error)))
         for says, means in IN_WORDS.items():

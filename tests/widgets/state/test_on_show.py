@@ -92,7 +92,7 @@ def test_whatever_tells_how_much_stays_bent_tells_the_figure_of_the_verdict(tmp_
     assert bent.values.max() == np.float32(row.permanent_set)
     viewer.fly_to_worst()
     viewer.places = (viewer.probed,)
-    brief = [viewer._said.value, viewer.badge._words.value, viewer._list.rows[0][2] + " mm", studio._result.value]
+    brief = [viewer._said.value, viewer.outcomes[0], viewer._list.rows[0][2] + " mm", studio._result.value]
     told = [*brief, legend.colour_bar(bent, viewer.subject.mesh), bent_panel(run.surface(), simulation, row).note]
     written = run.exported(tmp_path / "part.3mf")
     told += [*written.warnings, run.report(tmp_path / "part.html").read_text(encoding="utf-8")]
