@@ -9,6 +9,7 @@ python benchmarks/sliced.py --definitions /usr/share/cura/resources/definitions
 from __future__ import annotations
 
 import argparse
+import shutil
 import subprocess
 import tempfile
 from collections.abc import Mapping
@@ -111,6 +112,8 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--definitions", type=Path, default=Path("/usr/share/cura/resources/definitions"), help="Cura's")
     definitions, found = parser.parse_args().definitions, list[Read]()
+    if absent := [slicer for slicer in SLICERS if shutil.which(slicer) is None]:
+        parser.error(f"not on PATH: {', '.join(absent)}")
     with tempfile.TemporaryDirectory() as folder:
         meshes = {part: ms.load(f"gallery:{part}") for part in PARTS} | {f"{part} in {STYLE}": in_style(part, STYLE)[0] for part in PARTS}
         for number, (name, mesh) in enumerate([*meshes.items(), *meshes.items()]):

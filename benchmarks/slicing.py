@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import argparse
 import re
+import shutil
 import subprocess
 import tempfile
 from pathlib import Path
@@ -112,7 +113,10 @@ def main() -> None:
     parser.add_argument("parts", nargs="*", choices=[*names(), []])
     kept = DOCS / "slicing.json"
     spread = styles()[:: len(styles()) // len(names())]
-    for part in parser.parse_args().parts or names():
+    chosen = parser.parse_args().parts or names()
+    if absent := [slicer for slicer in ("prusa-slicer", "slic3r") if shutil.which(slicer) is None]:
+        parser.error(f"not on PATH: {', '.join(absent)}")
+    for part in chosen:
         with tempfile.TemporaryDirectory() as folder:
             found = measure(part, spread[names().index(part)].replace("_", " "), Path(folder))
         print(part, found, flush=True)

@@ -163,8 +163,8 @@ def report_export(place: Path, written: Exported) -> None:
         rows.add_row("worst test", "", escape(sentences.figures(verdict.deciding)))
     rows.add_row("folded faces", "", str(q.folds))
     rows.add_row("crossing pairs of faces", str(q.crossings_before), str(q.crossings))
-    rows.add_row("thinnest wall, mm", f"{q.thinnest_before:.2f}", f"{q.thinnest:.2f}")
-    rows.add_row("wall that 1 % falls short of, mm", f"{q.thin_before:.2f}", f"{q.thin:.2f}")
+    rows.add_row("thinnest wall two lines wide, mm", f"{q.thinnest_before:.2f}", f"{q.thinnest:.2f}")
+    rows.add_row("1 % of the surface is thinner than, mm", f"{q.thin_before:.2f}", f"{q.thin:.2f}")
     rows.add_row("mass as printed, g", f"{q.mass - q.mass_change:.1f}", f"{q.mass:.1f} ({q.volume_change:+.1%})")
     out.print(rows)
     if (plan := written.printing) is not None:  # what the print costs, which filaments the file names, and what would cost less

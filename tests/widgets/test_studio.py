@@ -1,5 +1,7 @@
 """The Studio put together: settings in, a run out, everything that follows it follows."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -16,7 +18,8 @@ from mechstyle.simulation.part import Shape
 from mechstyle_widgets.jupyter.cell_output import OncePerCell
 from mechstyle_widgets.jupyter.language import speak
 from mechstyle_widgets.settings.drop import SIZES
-from mechstyle_widgets.state.preview import Preview, Previewer
+from mechstyle_widgets.state.preview import Enlarged, Preview, Previewer
+from mechstyle_widgets.state.studio_state import StudioState
 from mechstyle_widgets.studio import OF_A_PART, Studio
 from mechstyle_widgets.viewer.run_viewer import RunViewer
 from support.models import alive
@@ -472,6 +475,30 @@ def test_one_button_is_filled_and_it_leads_on(done):
     assert filled(studio) == ("primary", "")
     studio.prompt_box.prompt = "brick"
     assert filled(studio) == ("", "primary")
+
+
+@pytest.mark.usefixtures("unprotected")
+def test_taking_it_away_leads_on_once_a_correction_has_mended_it(done):
+    """What is offered for a part that fails went, and no button was filled any more."""
+    studio = Studio(done)
+    studio.next_steps.steps = [object()]  # as long as its last iteration failed
+    studio._emphasise()
+    assert studio.take_away.main.button_style == ""
+    studio.state.checkpoint = replace(studio.state.checkpoint, keyframe=None, parent="another")
+    assert (studio.next_steps.steps, studio.take_away.main.button_style) == ([], "primary")
+
+
+@pytest.mark.usefixtures("unprotected")
+def test_what_is_said_of_the_pattern_of_one_style_goes_with_it(done, monkeypatch):
+    """Mortar joints were too large for the mesh, and moss was asked for."""
+    studio = Studio(done)
+    studio._enlarged = studio.prompt_box.prompt
+    studio.prompt_box.enlarge(Enlarged("mortar joints", 3.0, 20_000))
+    monkeypatch.setattr(StudioState, "busy", True)  # paused
+    studio.control_selector.threshold = 0.4
+    assert studio.prompt_box._cure.layout.display != "none"
+    studio.prompt_box.prompt = "moss"
+    assert studio.prompt_box._cure.layout.display == "none"
 
 
 @pytest.mark.usefixtures("unprotected")

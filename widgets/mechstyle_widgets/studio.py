@@ -125,6 +125,8 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
     _viewer: Viewer | None = None
     _timeline: Timeline | None = None
     _pictured = False
+    _enlarged = ""
+    """The prompt of which it is said how much larger it is drawn than asked."""
     _drafted: tuple[dict[str, Any], Recipe] | None = None
     _of_lesson: Mapping[str, Any] = {}
     """Settings that another part does not keep, as long as nobody has changed them."""
@@ -195,6 +197,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self._undo.begin()
         self.state.observe(self._emphasise, ("settings", "status", "run", "part", "lane", "iteration"))
         self.drop_options.observe(self._emphasise, "vertices")
+        self.state.observe(self._fill, "checkpoint")
         self._emphasise()
         self.state.observe(self._preview, "settings")
         self.state.observe(self._rested, ("status", "run"))
@@ -549,11 +552,18 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         except MechStyleError:  # what is wrong is said where it is set
             state.another, clear = self.run is not None, False
         self._foretell()
-        done = state.status == "finished" and not state.another
-        self.take_away.main.button_style = "primary" if done and not self.next_steps.steps else ""
-        self.run_controls.emphasise(clear and not done)
+        self._fill()
+        self.run_controls.emphasise(clear and not self._done)
         self.run_controls.title = state.title if self.run is not None and (self.controller.busy or not state.another) else self._asked_for
         self._caption()
+
+    @property
+    def _done(self) -> bool:
+        return self.state.status == "finished" and not self.state.another
+
+    def _fill(self, _change: object = None) -> None:
+        """Taking the part away leads on where nothing else does; what a run was corrected to comes after its last iteration."""
+        self.take_away.main.button_style = "primary" if self._done and not self.next_steps.steps else ""
 
     @property
     def _asked_for(self) -> str:
@@ -609,6 +619,8 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
             self._viewer.look_from(before)
         if mesh is None or not isinstance(self._viewer, PartViewer) or self._show_its_run():
             self.previewer.cancel()
+            if self.prompt_box.prompt != self._enlarged:
+                self.prompt_box.enlarge(None)
             return
         try:
             recipe = self.wanted().recipe
@@ -639,6 +651,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         else:
             drawn = "at once" if preview.seconds < 0.05 else f"in {preview.seconds:.1f} s"
             viewer.put_on(preview.surface, f"Changes as you choose · drawn {drawn}")
+        self._enlarged = self.prompt_box.prompt
         self.prompt_box.enlarge(preview.enlarged(self.drop_options.vertices), partial(setattr, self.drop_options, "vertices"))
         self._hatch()
         self._picture_first()

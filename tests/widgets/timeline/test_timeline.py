@@ -231,6 +231,14 @@ def test_what_is_allowed_is_named_over_the_end_of_its_line(timeline):
     assert (note["x"], note["xanchor"], note["yanchor"]) == (12, "right", "bottom")
 
 
+def test_what_is_allowed_is_named_within_the_curves_while_there_is_little_of_them(state):
+    """Left of the first test it lay over the figures of the axis."""
+    rows, whole = state.history, [branch for branch in state.branches if branch.lane == "main"]
+    for upto, side in ((0, "left"), (4, "left"), (12, "right")):
+        [note] = contents({"main": [row for row in rows if row.iteration <= upto]}, whole, "main", "light")[1]["annotations"]
+        assert (note["x"], note["xanchor"], note["xshift"] > 0) == (upto, side, side == "left")
+
+
 def test_the_theme_changes_the_template(timeline):
     before = frame(timeline)["template"]
     timeline.theme = "dark"

@@ -116,9 +116,10 @@ def contents(
     notes = []
     for row in reversed(shown[lane]):
         if row.verdict is not None and (decides := row.verdict.deciding) is not None:
-            # in words, above the end of its line and left of the upright one that may be there
-            place = {"x": row.iteration, "xref": "x", "xanchor": "right", "y": figures(row)[1], "yref": "y2", "yanchor": "bottom"}
-            look = {"showarrow": False, "font": {"size": 10, "color": BEYOND[theme]}, "xshift": -8}
+            # in words, above the end of its line and off the upright one that may be there
+            early = 2 * row.iteration < layout["xaxis"]["range"][1]  # there is no room at the left of it
+            place = {"x": row.iteration, "xref": "x", "xanchor": "left" if early else "right", "y": figures(row)[1], "yref": "y2"}
+            look = {"showarrow": False, "font": {"size": 10, "color": BEYOND[theme]}, "xshift": 8 if early else -8, "yanchor": "bottom"}
             notes.append({"text": said(f"allowed {sentences.allowed(decides)}"), **look, **place})
             layout["yaxis2"]["title"] = {"text": "[mm]" if decides.stress is None else "[MPa]"}
             break
