@@ -12,6 +12,13 @@ PLACE = """([row, x, y]) => {
     return [box.x + xaxis._offset + xaxis.d2p(x), box.y + yaxis._offset + yaxis.d2p(y)];
 }"""
 
+DRAWN_ANEW = """() => {
+    const plot = document.querySelector('.mechstyle-timeline .js-plotly-plot'), paper = () => plot._fullLayout.paper_bgcolor;
+    const before = paper();
+    plot.on('plotly_afterplot', () => { window.drawnAnew ||= paper() !== before; });
+}"""
+"""Notes when the chart was drawn with other colours."""
+
 
 @pytest.fixture(scope="module")
 def shown(notebook, finished_run):
@@ -66,6 +73,21 @@ def test_a_click_on_another_lane_shows_that_lane(shown):
     shown.until(where(shown), "('frozen', 9, 9, 9, 9)")
     shown.changed(shown.page.locator(".mechstyle-timeline"), before, 0.001)
     shown.keep("timeline-lane")
+
+
+def test_a_click_counts_though_the_chart_is_drawn_anew_under_it(shown):
+    """While a run goes on it is drawn at every iteration, perhaps between press and release; plotly then forgets the press."""
+    shown.page.mouse.move(*shown.page.evaluate(PLACE, ["yaxis", 8, "main"]))
+    shown.page.locator(".mechstyle-timeline .mechstyle-hint").get_by_text("MechStyle · iteration 8").wait_for()
+    shown.page.mouse.down()
+    shown.page.evaluate(DRAWN_ANEW)
+    shown.python("timeline.theme = 'dark'")
+    shown.page.wait_for_function("() => window.drawnAnew")
+    shown.page.mouse.up()
+    shown.until(where(shown), "('main', 8, 8, 8, 8)")
+    shown.python("timeline.theme = 'light'")
+    click(shown, "yaxis", 9, "frozen")
+    shown.until(where(shown), "('frozen', 9, 9, 9, 9)")
 
 
 def test_arrow_keys_step(shown):

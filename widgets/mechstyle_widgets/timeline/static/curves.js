@@ -2,6 +2,7 @@
 // a page asks for them once, when there is something to draw, and keeps them for all figures to come.
 
 const HERE = Symbol.for("mechstyle.plotly"); // each widget has a module of its own: what is the page's stands with the page
+const REACH = 20; // of a press to a mark [px]
 const CONFIG = { displayModeBar: false, responsive: false };
 
 function library() {
@@ -26,6 +27,18 @@ function initialize({ model }) {
   model.on("msg:custom", (message, buffers) => {
     if (message.kind === "plotly") take(buffers[0]);
   });
+}
+
+// The mark that is pressed: Plotly's own word for a click is that of the last mark it noticed under the mouse, which in a busy page is another.
+function nearest(plot, { clientX, clientY }) {
+  const { left, top } = plot.getBoundingClientRect(), axes = plot._fullLayout;
+  let found = null, least = REACH;
+  (plot._fullData ?? []).forEach(({ customdata, x, y, xaxis, yaxis }, trace) => customdata?.forEach((_, point) => {
+    const [across, up] = [[xaxis, x], [yaxis, y]].map(([name, at]) => [axes[`${name[0]}axis${name.slice(1)}`], at[point]]);
+    const far = Math.hypot(left + across[0]._offset + across[0].d2p(across[1]) - clientX, top + up[0]._offset + up[0].d2p(up[1]) - clientY);
+    if (far <= least) [found, least] = [{ trace, point }, far];
+  }));
+  return found;
 }
 
 function render({ model, el }) {
@@ -71,8 +84,12 @@ function render({ model, el }) {
   plot.addEventListener("pointerdown", (event) => {
     plot.focus({ preventScroll: true });
     [from, dragged] = [event.clientX, false];
+    const mark = nearest(plot, event);
     held(event);
     addEventListener("pointermove", held);
+    addEventListener("pointerup", () => {
+      if (mark && !dragged) model.send({ kind: "click", ...mark }); // else it is where the line was let go
+    }, { once: true });
   });
   plot.addEventListener("keydown", (event) => {
     const far = { ArrowLeft: -1, ArrowDown: -1, ArrowRight: 1, ArrowUp: 1, PageDown: -10, PageUp: 10, Home: -Infinity, End: Infinity }[event.key];
@@ -106,9 +123,6 @@ function render({ model, el }) {
     const over = ({ points: [first] }) => (pointed = first.data.hovertext?.[first.pointNumber] ?? "", tell());
     plot.on("plotly_hover", over);
     plot.on("plotly_unhover", () => (pointed = "", tell()));
-    plot.on("plotly_click", ({ points: [first] }) => {
-      if (!dragged) model.send({ kind: "click", trace: first.curveNumber, point: first.pointNumber }); // else it is where the line was let go
-    });
   });
   if (!plotly.there) model.send({ kind: "plotly" });
   return () => {
