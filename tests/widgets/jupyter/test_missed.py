@@ -46,6 +46,18 @@ def slider(told):
     return ipywidgets.IntSlider(value=1)
 
 
+@pytest.fixture
+def said_again(told, frame):
+    """What sliders tell a page that has made its models."""
+
+    def made():
+        told.clear()
+        frame._handle_msg(MADE)
+        return list(told)
+
+    return made
+
+
 def asked(slider):
     ipywidgets.Widget._handle_control_comm_msg(LIST)
 
@@ -55,62 +67,50 @@ def asked_of_one(slider):
 
 
 @pytest.mark.parametrize("ask", [asked, asked_of_one])
-def test_what_changed_since_the_list_is_said_again_as_it_is_then(told, frame, slider, ask):
+def test_what_changed_since_the_list_is_said_again_as_it_is_then(said_again, slider, ask):
     slider.min = -3
     ask(slider)
     slider.value = 2
     slider.value = 5
-    told.clear()
-    frame._handle_msg(MADE)
-    assert told == [{"value": 5}]
+    assert said_again() == [{"value": 5}]
 
 
-def test_a_page_that_is_shown_for_the_first_time_is_told_nothing_twice(told, frame, slider):
+def test_a_page_that_is_shown_for_the_first_time_is_told_nothing_twice(said_again, slider):
     slider.value = 2
-    told.clear()
-    frame._handle_msg(MADE)
-    assert told == []
+    assert said_again() == []
 
 
-def test_what_a_page_asks_of_one_model_is_an_answer_and_not_said_again(told, frame, slider):
+def test_what_a_page_asks_of_one_model_is_an_answer_and_not_said_again(said_again, slider):
     asked_of_one(slider)
-    told.clear()
-    frame._handle_msg(MADE)
-    assert told == []
+    assert said_again() == []
 
 
-def test_two_pages_that_are_loaded_at_once_are_both_told(told, frame, slider):
+def test_two_pages_that_are_loaded_at_once_are_both_told(said_again, slider):
     asked(slider)
     slider.value = 2
     asked(slider)
     slider.min = -1
     for _ in range(2):
-        told.clear()
-        frame._handle_msg(MADE)
-        assert told == [{"value": 2, "min": -1}]
+        assert said_again() == [{"value": 2, "min": -1}]
 
 
-def test_what_was_said_long_ago_is_not_said_again(told, frame, slider):
+def test_what_was_said_long_ago_is_not_said_again(said_again, slider):
     asked(slider)
     slider.value = 2
     missed._said.asked -= 2 * missed.LONGEST
     slider.min = -1
     asked(slider)
-    told.clear()
-    frame._handle_msg(MADE)
-    assert told == []
+    assert said_again() == []
 
 
-def test_a_model_that_was_closed_meanwhile_is_let_go(told, frame, slider):
+def test_a_model_that_was_closed_meanwhile_is_let_go(said_again, slider):
     asked(slider)
     slider.value = 2
     slider.close()
-    told.clear()
-    frame._handle_msg(MADE)
-    assert told == []
+    assert said_again() == []
 
 
-def test_a_control_that_is_made_meanwhile_is_sent_whole_and_not_said_again(told, frame, slider):
+def test_a_control_that_is_made_meanwhile_is_sent_whole_and_not_said_again(slider):
     asked(slider)
     made = Frame()
     assert made.comm is not None

@@ -171,7 +171,7 @@ class StudioState(traitlets.HasTraits):
         return self.session is not None and self.session.state in ("running", "paused")
 
     def headed(self, title: str) -> str:
-        """What stands over all that tells of a run while another is asked for, "" while none is."""
+        """The heading of a run's views while other settings are chosen, "" while they are its own."""
         return f"{'This' if self.busy else 'Last'} run: {title}" if self.another else ""
 
     @property

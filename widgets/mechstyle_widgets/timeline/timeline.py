@@ -146,10 +146,10 @@ class Timeline(Linked, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[mi
         self._curves.last = self._state.iterations_done
         with unheard(self._curves, self._slid, "head"):
             self._curves.head = self.iteration
-        self._curves.story = "" if row is None else self._told(row)
+        self._curves.story = "" if row is None else self._story(row)
         show(self._play, self._begun)  # there is nowhere to go yet
 
-    def _told(self, row: Row) -> str:
+    def _story(self, row: Row) -> str:
         """What is said of an iteration under the curves, and whose it is where another run is asked for."""
         shown = on_show(self._state)
         return timeline_figure.story(self._state.called(self.lane), row, self._state.headed("" if shown is None else shown.title))

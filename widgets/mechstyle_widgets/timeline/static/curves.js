@@ -29,7 +29,7 @@ function initialize({ model }) {
   });
 }
 
-// The mark that is pressed: Plotly's own word for a click is that of the last mark it noticed under the mouse, which in a busy page is another.
+// The mark that is pressed. Plotly says of a click only at the release, and nothing if it has drawn in between, as at each iteration of a run.
 function nearest(plot, { clientX, clientY }) {
   const { left, top } = plot.getBoundingClientRect(), axes = plot._fullLayout;
   let found = null, least = REACH;
